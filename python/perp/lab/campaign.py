@@ -95,22 +95,22 @@ def between(low, high, kind=float):
     return check
 
 
-OPTIONS = {  # flag: key in campaign.json, word for its value, kind
-    "--tol": ("tol", "TOL", between(1e-15, 1)),
-    "--time-limit": ("time_limit", "SECONDS", between(0.01, 1e6)),
-    "--memory-limit": ("memory_limit_mb", "MB", between(16, 1 << 32, int)),
-    "--restarts": ("restarts", "R", between(0, 1000, int)),
-    "--seed": ("seed", "N", between(0, 2**32 - 1, int)),
-    "--jobs": ("jobs", "N", between(1, 1024, int)),
+OPTIONS = {  # key in campaign.json: flag, word for its value, kind, help
+    "tol": ("--tol", "TOL", between(1e-15, 1), "tolerance of the judge, and of methods whose options set none"),
+    "time_limit": ("--time-limit", "SECONDS", between(0.01, 1e6), "wall-clock limit of a run"),
+    "memory_limit_mb": ("--memory-limit", "MB", between(16, 1 << 32, int), "limit of the resident memory of a run"),
+    "restarts": ("--restarts", "R", between(0, 1000, int), "after a failure, up to R runs from perturbed starts"),
+    "seed": ("--seed", "N", between(0, 2**32 - 1, int), "seed of the perturbed starts"),
+    "jobs": ("--jobs", "N", between(1, 1024, int), "number of runs at a time; with 1 their times can be compared"),
 }
 
 
-def add_options(parser, *options):
-    """`options`: (flag of OPTIONS, default, help)."""
-    for flag, usual, words in options:
-        dest, metavar, kind = OPTIONS[flag]
-        words += "" if words.endswith(")") else " (%(default)g)"
-        parser.add_argument(flag, dest=dest, type=kind, metavar=metavar, default=usual, help=words)
+def add_options(parser, **usual):
+    """`usual`: the defaults of some OPTIONS."""
+    for key, default in usual.items():
+        flag, metavar, kind, words = OPTIONS[key]
+        words += " (%(default)g)"
+        parser.add_argument(flag, dest=key, type=kind, metavar=metavar, default=default, help=words)
     where = "the program perp (PERP_PROGRAM, else perp beside this command or on the PATH)"
     parser.add_argument("--program", metavar="FILE", help=where)
 

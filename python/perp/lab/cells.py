@@ -29,8 +29,8 @@ NO_JUDGE = ("time-limit", "memory-limit", "crashed", "garbage", "not-applicable"
 HONEST = ("failed", "time-limit", "memory-limit")  # ends that claim nothing
 COUNTS = ("iterations", "F_evals", "J_evals", "factorizations", "krylov_iterations")
 KEYS = (
-    "method", "problem", "start", "outcome", "status", "claimed", "natural", *COUNTS, "seconds", "peak_mb", "restarts",
-    "outcome_after_restarts", "message", "curve",
+    "method", "problem", "start", "outcome", "status", "claimed", "natural", *COUNTS, "restarts",
+    "outcome_after_restarts", "seconds", "peak_mb", "message", "curve",
 )  # fmt: skip
 LONGEST_CURVE = 200
 LEAST_FOR_OTHERS = 60  # s: for the judge and for a problem's description
@@ -316,7 +316,7 @@ class CellRunner:
             restarts += 1
             after = self.attempt(method, problem, start, restarts).outcome(problem, self.campaign)[0]
         values = method["label"], problem["name"], start, outcome, first.status, first.claim == "solved", first.natural
-        rest = first.seconds, first.end.peak_mb, restarts, after, one_line(message), list(first.curve)
+        rest = restarts, after, first.seconds, first.end.peak_mb, one_line(message), list(first.curve)
         return {**dict(zip(KEYS, (*values, *first.counts, *rest))), **first.facts}
 
 

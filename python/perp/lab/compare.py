@@ -14,9 +14,8 @@ MAY_DIFFER = {"build", "libraries", "date", "command_line", "machine", "jobs", "
 def same(campaign):
     """What all shards of a campaign have in common."""
     problems = [{key: value for key, value in p.items() if key != "file"} for p in campaign["problems"]]
-    number_of_shards = parse_shard(campaign.get("shard"))[1]
     kept = {key: value for key, value in campaign.items() if key not in MAY_DIFFER}
-    return {**kept, "problems": problems, "number of shards": number_of_shards}
+    return {**kept, "problems": problems, "number of shards": parse_shard(campaign.get("shard"))[1]}
 
 
 def join_shards(folders, out):
@@ -44,11 +43,7 @@ def join_shards(folders, out):
 
 
 def report(arguments):
-    words = (
-        "Makes DIR/report.html, one page that needs nothing else, and its numbers as CSV and JSON, from the files "
-        "campaign.json and cells.jsonl that perp-compare has left in DIR. It also works while perp-compare runs, and "
-        "after it was killed."
-    )
+    words = "Makes DIR/report.html and its numbers again, also while perp-compare runs, and joins shards."
     parser = argparse.ArgumentParser(prog="perp-report", description=words)
     parser.add_argument("dirs", nargs="+", metavar="DIR", help="folder of the campaign, or those of its shards")
     parser.add_argument("--out", metavar="DIR", help="folder for the joined campaign of the shards; new or empty")

@@ -75,15 +75,7 @@ class Comparison:
         add("--methods", metavar="METHODS", help="which methods (presets)")
         add("--starts", metavar="all|K", default="all", type=all_or_number, help=starts)
         add("--external", action="append", default=[], metavar="NAME=COMMAND", help=external + "; may be repeated")
-        add_options(
-            parser,
-            ("--tol", 1e-6, "tolerance of the judge, and of the methods unless their options set one"),
-            ("--time-limit", 60.0, "wall-clock limit of a run"),
-            ("--memory-limit", 4096, "limit of the resident memory of a run"),
-            ("--restarts", 0, "after a failure, up to R runs from perturbed starts"),
-            ("--seed", 1, "seed of the perturbed starts"),
-            ("--jobs", cores(), "number of runs at a time (one for each core)"),
-        )
+        add_options(parser, tol=1e-6, time_limit=60.0, memory_limit_mb=4096, restarts=0, seed=1, jobs=cores())
         add_folder(parser, "comparison")
         return parser
 

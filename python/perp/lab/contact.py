@@ -6,11 +6,10 @@ frictionless variants by the law of their affine problem; what Coulomb's law say
 """
 
 import argparse
-import math
 import os
 import shlex
 
-from .campaign import add_folder, add_options, between
+from .campaign import add_folder, add_options
 from .cells import COUNTS, CellRunner, attempt_of, source_of
 from .comparison import Comparison
 from .files import InputError, crc_of, number
@@ -18,6 +17,7 @@ from .files import InputError, crc_of, number
 DEFAULT = (
     "glocker+auto,glocker+homotopy,glocker+path/B,glocker+semismooth/B,glocker+smooth/B,inner:8,outer:8,frictionless"
 )
+PROBLEM = "a file of FCLIB or Siconos, or NAME:SIZE[:SEED[:MU]]"
 READING = 10  # s, beside the solve's own limit twice: then a process counts as hanging
 FACTS = ("contacts", "solved_by", "siconos", "rr9118", "command")  # columns of a cell, after those of every comparison
 EXACT = ("siconos", "rr9118", "cone_share", "normal_share", "slip_share")  # what Coulomb's law asks to be small
@@ -54,25 +54,16 @@ class ContactRunner(CellRunner):
 
 class ContactComparison(Comparison):
     COMMAND, RUNNER = "perp-compare contact", ContactRunner
-    LISTS = ("problems", "variants", "turn")
+    LISTS = ("problems", "variants")
 
     @classmethod
     def parser(cls):
         words = "Runs variants of formulation and method on problems of contact with friction, a process for each run."
         parser = argparse.ArgumentParser(prog=cls.COMMAND, description=words, allow_abbrev=False)
-        problems = "files of FCLIB or Siconos, or NAME:SIZE[:SEED[:MU]]"
         variants = f"FORMULATION[+METHOD][/WORD]...; * as METHOD is every method, * as WORD every form ({DEFAULT})"
-        parser.add_argument("problems", nargs="*", metavar="PROBLEM", help=problems)
+        parser.add_argument("problems", nargs="*", metavar="PROBLEM", help=PROBLEM)
         parser.add_argument("--variants", metavar="LIST", help=variants)
-        turn = "turn the polygons by this share of the angle between two corners: one may lie well by luck (0)"
-        parser.add_argument("--turn", type=between(0, 1), metavar="SHARE", help=turn)
-        add_options(
-            parser,
-            ("--tol", 1e-8, "tolerance"),
-            ("--time-limit", 30.0, "limit of each run"),
-            ("--memory-limit", 4096, "limit of the resident memory of a run"),
-            ("--jobs", 1, "number of runs at a time; with 1 their times can be compared"),
-        )
+        add_options(parser, tol=1e-8, time_limit=30.0, memory_limit_mb=4096, jobs=1)
         parser.set_defaults(restarts=0, seed=1, starts=1)
         add_folder(parser, "contact-comparison")
         return parser
@@ -96,10 +87,5 @@ class ContactComparison(Comparison):
         # Files are read once before anything runs: a misspelt name is no result.
         variants = self.program.json("contact", *asked, "--variants", self.words.variants or DEFAULT, "--json", "-")
         plain = {"external": False, "affine": False, "in_force": {}}
-        methods = []
-        for v in variants["variants"]:
-            K = v["flags"][1].partition(":")[2]
-            turn = ["--rotation", repr(self.words.turn * 2 * math.pi / int(K))] if K and self.words.turn else []
-            method = {"label": v["label"], "name": v["label"], "options": [*v["flags"], *turn], **plain}
-            methods.append({**method, "exact": v["exact"]})
-        return methods, problems
+        names = [{"label": v["label"], "name": v["label"], "options": v["flags"]} for v in variants["variants"]]
+        return [{**of, **plain, "exact": v["exact"]} for of, v in zip(names, variants["variants"])], problems

@@ -366,12 +366,6 @@ def cheapest(data, c):
     return text + (more if fewest.most else "") + "."
 
 
-def errors_of_laws(data):
-    others = [(name, error) for name, law, *_, error, _ in laws(data) if law == "its own"]
-    said = ", ".join(f"{name} {error:.2g}" for name, error in others if not math.isnan(error))
-    return f"Median error of what other laws call solved, by Siconos' metric: {said}." if said else ""
-
-
 def false_claims(data):
     wrong = Counter(cell["method"] for cell in data.cells if false_claim(cell))
     if not wrong:
@@ -394,6 +388,4 @@ def findings(data, all_comparisons):
     for c in all_comparisons:
         sentences = OF_COMPARISONS.get(c.id.partition("-")[0], {})
         found += [(topic or c.title, say(data, c)) for topic, say in sentences.items()]
-    if data.contact:
-        found.append(("By Coulomb's law", errors_of_laws(data)))
     return [(topic, text) for topic, text in [*found, ("False claims", false_claims(data))] if text]

@@ -28,7 +28,7 @@ def corners_of(K, outer, turn):
 
 def forces_svg(answer):
     """The friction disk (2D: interval) of each contact, all of one size, with r_T, a tick along -u_T, a bar of r_N."""
-    from matplotlib.collections import EllipseCollection, LineCollection
+    from matplotlib.collections import LineCollection
 
     from .report import figure, svg_of
 
@@ -38,10 +38,11 @@ def forces_svg(answer):
     made, axes = figure("forces", 11, 1.5 + min(60, 10 * down / across))
     side, _, K = answer["formulation"].partition(":")
     polygon = corners_of(int(K), side == "outer", answer["rotation"] or 0) if K and answer["dimension"] == 3 else []
+    rim = corners_of(48, False, 0) if answer["dimension"] == 3 else [(-1, 0), (1, 0)]
     largest = max([LEAST, *(number(c["r"][0]) for c in contacts)])
     lines = {"#bbbbbb": [], "#333333": []}
     for name, (colour, marker) in STATES.items():
-        rims, points, lines[colour] = [], [], []
+        points, lines[colour] = [], []
         for k, c in enumerate(contacts):
             if c["state"] != name:
                 continue
@@ -55,17 +56,10 @@ def forces_svg(answer):
             lines[colour] += [((x, y), points[-1]), ((x + 1.4, y - 1), (x + 1.4, y - 1 + 2 * max(r_N, 0) / largest))]
             if (size := math.hypot(*u_T)) > 0 and name == "slip":
                 lines["#333333"].append([(x - s * u_T[0] / size, y - s * u_T[1] / size) for s in (1.05, 1.35)])
-            if answer["dimension"] == 2:
-                lines[colour].append(((x - 1, y), (x + 1, y)))
-            else:
-                rims.append((x, y))
-            if polygon:
-                lines["#bbbbbb"].append([(x + px, y + py) for px, py in polygon + polygon[:1]])
+            for outline, corners in ((colour, rim), ("#bbbbbb", polygon or rim)):
+                lines[outline].append([(x + px, y + py) for px, py in corners + corners[:1]])
             if len(contacts) <= 200:
                 axes.text(x - 1.2, y + 0.95, str(c["contact"]), fontsize=7, color="#555555")
-        if rims:
-            rim = {"edgecolors": colour, "facecolors": "none", "linewidths": 1.6 if name == "slip" else 0.8}
-            axes.add_collection(EllipseCollection(2, 2, 0, units="xy", offsets=rims, transOffset=axes.transData, **rim))
         xs, ys = zip(*points) if points else ((), ())
         axes.plot(xs, ys, linestyle="", marker=marker, markersize=3.5, color=colour, label=f"{name}: {len(points)}")
     for colour, segments in lines.items():

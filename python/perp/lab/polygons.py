@@ -13,7 +13,7 @@ import numpy as np
 
 from .campaign import INTERRUPTED, SOLVED, UNSOLVED, Program, add_options, between, count, print_table
 from .cells import answer_of
-from .contact import EXACT, ContactRunner
+from .contact import EXACT, PROBLEM, ContactRunner
 from .files import InputError, NotSeen, number, pretty, write_file
 from .forces import LEAST, corners_of, picture
 from .process import run_all
@@ -24,10 +24,7 @@ ERRORS = {
     "cone": "(|r_T| - mu r_N) / max r_N",
     "slip": "missing dissipation over max r_N times max |q|",
 }
-SIDES = {
-    "inner": {"label": "in the disk (inner:K)", "color": "#0072B2", "linestyle": "-", "marker": "o"},
-    "outer": {"label": "around the disk (outer:K)", "color": "#D55E00", "linestyle": "--", "marker": "s"},
-}
+SIDES = {"inner": "in the disk (inner:K)", "outer": "around the disk (outer:K)"}
 POSITIONS = (1 / 12, 5 / 12, 9 / 12)  # of the angle between two corners; in one position a corner may lie well by luck
 ROUNDING = 1e-12  # errors below are rounding
 EXACT_TOL, EXACT_ENOUGH = 1e-9, 1e-8  # asked for; what a solution is by all metrics
@@ -114,16 +111,17 @@ def print_facets(problems, lines, powers):
 
 def facets_svg(lines, title):
     """A panel for each error, doubly logarithmic, all of one scale, with guides that fall like 1/K and 1/K^2."""
-    from .report import figure, svg_of
+    from .report import figure, line_style, svg_of
 
     made, panels = figure("facets", 11, 8.2, (2, 2))
-    K, medians = sorted({line["facets"] for line in lines}), [v or 0 for line in lines for v in line["medians"].values()]
+    K = sorted({line["facets"] for line in lines})
+    medians = [value or 0 for line in lines for value in line["medians"].values()]
     top, least = max(medians) or 1, min((v for v in medians if v >= ROUNDING), default=0.1)
     for axes, (error, words) in zip(panels.flat, ERRORS.items()):
-        for side, style in SIDES.items():
+        for k, (side, where) in enumerate(SIDES.items()):
             points, p = curve(lines, side, error)
             falls = f"falls like K^{p:.2f}" if p is not None else "" if points else "0, to rounding"
-            axes.plot(*(zip(*points) if points else ((), ())), **{**style, "label": f"{style['label']}: {falls}"})
+            axes.plot(*np.reshape(points, (-1, 2)).T, label=f"{where}: {falls}", **line_style(k))
         for slope, label in ((1, "c / K"), (2, "c / K ^ 2")):
             axes.plot(K, [1.6 * top * (K[0] / k) ** slope for k in K], color="#8a8a8a", linestyle=":", label=label)
         heights = (least * (least / top) ** 0.7, 2 * top)  # with room for the legend
@@ -139,13 +137,11 @@ def facets_svg(lines, title):
 def facets(arguments, interrupt):
     parser = argparse.ArgumentParser(prog="perp-compare facets", description=__doc__.partition(" perp-")[0])
     add, forms = parser.add_argument, "an LCP, or an MLCP with r_T free (%(default)s)"
-    add("problems", nargs="+", metavar="PROBLEM", help="files of FCLIB or Siconos, or NAME:SIZE[:SEED[:MU]]")
+    add("problems", nargs="+", metavar="PROBLEM", help=PROBLEM)
     K = list_of(between(3, 1000, int))
     add("--facets", required=True, type=K, metavar="K,K,...", help="numbers of facets, from 3")
     add("--form", choices=("reduced", "mixed"), default="reduced", help=forms)
-    tol = "tolerance on the natural residual of the affine problems"
-    limits = ("--time-limit", 30.0, "limit of each run"), ("--jobs", 1, "number of problems at a time")
-    add_options(parser, ("--tol", 1e-9, tol), *limits)
+    add_options(parser, tol=1e-9, time_limit=30.0, jobs=1)
     add("--svg", type=picture, metavar="FILE.svg", help="draw the errors over K")
     add("--json", metavar="FILE", help="write the study as JSON")
     words = parser.parse_args(arguments)

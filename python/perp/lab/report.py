@@ -9,7 +9,7 @@ from collections import Counter
 from pathlib import Path
 
 from .campaign import count
-from .cells import COUNTS, KEYS, outcome_counts, with_tolerance
+from .cells import KEYS, outcome_counts, with_tolerance
 from .contact import FACTS
 from .files import compact, pretty, write_files
 from .findings import (
@@ -298,7 +298,7 @@ def script_data(data, shared):
 
 # Files beside the page.
 
-CSV_COLUMNS = (*KEYS[:7], *COUNTS, "restarts", "outcome_after_restarts", "seconds", "peak_mb", "message")
+CSV_COLUMNS = KEYS[:-1]  # without the curve
 CONTACT_COLUMNS = (*CSV_COLUMNS, *FACTS)
 TIMELESS = 14  # columns that do not depend on time and memory
 
