@@ -24,7 +24,7 @@ std::string utf8(const wchar_t* text) {
 
 }  // namespace
 
-/// Those of main() are letters of the machine's code page.
+/// Reads them from the system: main()'s are in the machine's code page.
 std::vector<std::string> arguments_of(int, char**) {
   int count = 0;
   const std::unique_ptr<wchar_t*[], decltype(&LocalFree)> words(CommandLineToArgvW(GetCommandLineW(), &count),

@@ -39,7 +39,7 @@ constexpr double patience = 0.3;  // [s], after which nothing is repeated
 constexpr double limit = 0.1;     // [s] of one solve by a method alone
 constexpr double most = 1;        // [s] of all steps, after which who solves them is left out
 
-/// Of this thread: other jobs on the machine do not count.
+/// Counts this thread alone, not other jobs on the machine.
 double processor_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -68,7 +68,7 @@ Steps steps_of(const std::string& text, int count, double amplitude) {
   return out;
 }
 
-/// Of all steps but the first, which is always cold.
+/// Counts all steps but the first, which is always cold.
 struct Times {
   double mean = 0, median = 0, largest = 0;  ///< [ms]
   int solved = 0;

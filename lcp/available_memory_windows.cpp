@@ -7,7 +7,7 @@
 
 namespace perp::lcp {
 
-/// What the machine has free, and what Windows would still promise this process, files for paging included.
+/// Memory that is free, and that Windows would still promise this process, files for paging included.
 double available_memory() {
   MEMORYSTATUSEX memory{};
   memory.dwLength = sizeof memory;

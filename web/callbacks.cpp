@@ -24,7 +24,7 @@ static void call_log(const char* line, void* user) {
   perp_web_import_log(line, static_cast<int32_t>(reinterpret_cast<intptr_t>(user)));
 }
 
-/// What a client gives to perp_problem_create() and perp_solver_set_log().
+/// Functions that a client gives to perp_problem_create() and perp_solver_set_log().
 PERP_EXPORT perp_F perp_web_F() { return call_F; }
 PERP_EXPORT perp_J perp_web_J() { return call_J; }
 PERP_EXPORT perp_log perp_web_log() { return call_log; }

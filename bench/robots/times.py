@@ -41,7 +41,7 @@ def least(work: Callable[[], object], before: Callable[[], object] = lambda: Non
 
 
 class Table:
-    """Of (who, size): times and the largest errors at any contact of a step."""
+    """Times, and the largest errors at any contact of a step, of (who, size)."""
 
     def __init__(self) -> None:
         self.rows: dict[tuple[str, str], list[tuple[float, float, float]]] = defaultdict(list)
@@ -75,7 +75,7 @@ class Table:
 
 
 def time_mujoco(model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, float]:
-    """Of the step that `data` is in, with the cone of `model`."""
+    """Returns the step that `data` is in, with the cone of `model`."""
 
     def prepare() -> None:
         mujoco.mj_fwdPosition(model, data)

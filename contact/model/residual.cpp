@@ -157,7 +157,7 @@ Residual Judge::operator()(In r, Vec& u) const {
   return out;
 }
 
-/// Of W semidefinite |W_ij| is at most the largest entry of its diagonal.
+/// Bounds |W_ij| of a semidefinite W by the largest entry of its diagonal.
 std::optional<Residual> Judge::far(In r, double tol) const {
   constexpr double surely = 1e3;
   constexpr double eps = std::numeric_limits<double>::epsilon();

@@ -18,7 +18,7 @@ namespace {
 
 using Dense = Eigen::MatrixXd;
 
-/// Of the contact problem: what the derivative is known to.
+/// Digits that the derivative is known to.
 constexpr double kinks_tol = 1e-11;
 
 /// Entries of a kink in y.
@@ -46,7 +46,7 @@ Vec scale_of(const Kinks& kinks, const Dense& S) {
   return scale;
 }
 
-/// Whether Coulomb's law has one solution for every h: positive definite, with the best c_a of one contact. Pairs
+/// Tests that Coulomb's law has one solution for every h: positive definite, with the best c_a of one contact. Pairs
 /// and disks have convex sets of their own, and no term.
 bool one_solution_with_cones(const Kinks& kinks, const Dense& S) {
   Dense Q = (S + S.transpose()) / 2;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Where a contact of a solution is, as far as derivatives need it (sensitivity.hpp). Private to contact/.
+/// Place of a contact of a solution, as far as derivatives need it (sensitivity.hpp). Private to contact/.
 #include <vector>
 
 #include <Eigen/Core>
@@ -9,7 +9,7 @@
 
 namespace perp::contact {
 
-/// What a disk of friction does: Edge is the kink between Stick and Slip.
+/// Moves of a disk of friction: Edge is the kink between Stick and Slip.
 enum class Move { Stick, Slip, Edge };
 
 struct Disk {
@@ -28,7 +28,7 @@ struct Place {
   std::vector<Disk> disks{};
 };
 
-/// Where contact a is, of u = W r + q and W's diagonal, with SensitivityOptions::degenerate_tol.
+/// Finds the place of contact a from u = W r + q and W's diagonal, with SensitivityOptions::degenerate_tol.
 Place place(const Problem& problem, In r, In u, Index a, In diagonal, double tol);
 
 }  // namespace perp::contact

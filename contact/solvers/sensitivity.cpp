@@ -100,7 +100,7 @@ class Analysis {
   bool factor();
   std::string singular() const;
   Vec velocities_of(const Vec& dp) const;
-  /// Of what is 0 x 0: zeros.
+  /// Returns zeros for what is 0 x 0.
   Vec friction(int disk, const Vec& dp) const;
   Motion respond(const Vec& g, Vec right, const Vec& moved) const;
   Motion with_kinks_held(const Vec& dp) const;

@@ -419,7 +419,7 @@ Projector::Slack Projector::slack(Index i, double side, const TwoPartVector& y) 
   exact.add(-side);
   sum_up(exact);
   const double value = exact.value();
-  // Of products below the range less than 2^-1000 each is lost.
+  // Products below the range lose less than 2^-1000 each.
   const double lost = exact.exact() ? 0 : 0x1p-1000 * static_cast<double>(2 * rows_.cols() + 1);
   return {value, std::isfinite(value) ? eps * std::abs(value) + lost : infinity};
 }

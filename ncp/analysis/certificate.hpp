@@ -16,7 +16,7 @@ std::string certificate_json(const Mcp& mcp, In x, const Infeasibility& proof);
 /// most `most` names; of one row "row supply and the bounds". Empty if there is none.
 std::string rows_in_words(const Mcp& mcp, const Infeasibility& proof, std::size_t most = 4);
 
-/// Whether terms that are not affine take part in the certificate (ncp/analysis/row_sums.hpp).
+/// Returns whether terms that are not affine take part in the certificate (ncp/analysis/row_sums.hpp).
 bool uses_terms(const Mcp& mcp, const Infeasibility& proof);
 
 }  // namespace perp::ncp

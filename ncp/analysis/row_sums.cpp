@@ -26,7 +26,7 @@ bool exact_product(double a, double b, double& product) {
   return std::isfinite(p.value) && p.error == 0 && (std::abs(p.value) >= 0x1p-968 || p.value == 0);
 }
 
-/// Of each node the first one that is written alike. A condition's value is like no other: nobody knows which it is.
+/// Finds for each node the first one written alike. A condition's value is like no other: nobody knows which it is.
 std::vector<Node> first_alike(const Graph& graph) {
   std::vector<Node> first(graph.size());
   std::map<std::tuple<Operation, Node, Node, std::uint64_t>, Node> known;

@@ -62,7 +62,7 @@ class LinearDemands {
   bool has_one_proof(const Demands& demands) const;
   /// The demands with multipliers.
   static Demands support(const Demands& demands, const Elastic& found);
-  /// Whether y proves exactly that these demands alone contradict each other.
+  /// Returns whether y proves exactly that these demands alone contradict each other.
   bool proves(const Demands& demands, In y) const;
   const lcp::AffineMcp& problem() const { return problem_; }
 

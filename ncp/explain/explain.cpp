@@ -124,7 +124,7 @@ class Explainer {
     if (!out_.conflict) tell_residual();
   }
 
-  /// Of the demands those on terms that are not affine are left out: nobody can change the range of exp.
+  /// Demands on terms that are not affine are left out: nobody can change the range of exp.
   void find_cause_in_sums(const Infeasibility& proof) {
     std::vector<char> rows(at(proof.sums->size()), 0);
     std::fill_n(rows.begin(), mcp_.size(), char{1});

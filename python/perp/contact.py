@@ -75,7 +75,7 @@ class Result(Record):
 
 
 class Sensitivity(Record):
-    """How a solution moves with m parameters."""
+    """Derivatives of a solution by m parameters."""
 
     status: Field[str] = Field(
         '"Differentiable", "Directional"; refused: "Degenerate", "Singular", "NotASolution", "TooLarge".'

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Exit, System } from "./wasi.js";
 
-/** What the engine imports beside WASI: functions that are called back. The program has none. */
+/** Imports of the engine beside WASI: functions that are called back. The program has none. */
 const no_callbacks = { F: () => -1, J: () => -1, log: () => {} };
 
 /** Runs the program `perp` with these words and files, in an instance of its own: whatever happens in it ends with it.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the engine asks of its system (WASI, preview 1): a clock, random bytes, two streams, and files in memory.
+// System that the engine sees (WASI, preview 1): a clock, random bytes, two streams, and files in memory.
 
 const ERRNO = { success: 0, badf: 8, exist: 20, inval: 28, isdir: 31, noent: 44, nosys: 52, notdir: 54, spipe: 70 };
 const TYPE = { character: 2, directory: 3, regular: 4 };

@@ -48,7 +48,7 @@ function begin(instance) {
 }
 begin(await WebAssembly.instantiate(module, imports()));
 
-/** Whether the engine itself broke off: its memory and stack are then as the moment left them, and it has to begin anew. */
+/** Tells that the engine broke off: its memory and stack are then as the moment left them, and it has to begin anew. */
 const broke = (error) => error instanceof WebAssembly.RuntimeError || (error instanceof RangeError && /stack/.test(error.message));
 
 export class PerpError extends Error {
@@ -59,7 +59,7 @@ export class PerpError extends Error {
   }
 }
 
-/** What a function returns as an address: WebAssembly gives those beyond 2 GB as negative numbers. */
+/** Reads an address that a function returns: WebAssembly gives those beyond 2 GB as negative numbers. */
 const address = (name, ...words) => c[name](...words) >>> 0;
 const view = () => new DataView(c.memory.buffer);
 const reals_at = (pointer, count) => new Float64Array(c.memory.buffer, pointer >>> 0, count);

@@ -53,7 +53,7 @@ const json_of = (run, name) => {
   return bytes === undefined ? undefined : JSON.parse(new TextDecoder().decode(bytes));
 };
 
-/** What went wrong, in the program's words, or where there are none in the browser's. */
+/** Reason of a failure, in the program's words, or where there are none in the browser's. */
 function reason(error) {
   if (/stack/.test(error.message)) return "The expressions of this model are nested deeper than this browser's stack. The program outside of the browser takes up to 10000 levels.";
   if (/memory/i.test(error.message)) return "The memory of this page does not suffice for this problem.";
@@ -189,7 +189,7 @@ async function take(wanted) {
   }
 }
 
-/** What is known before solving: the command inspect, and of contact the sizes, by the cheapest law. */
+/** Facts known before solving: the command inspect, and of contact the sizes, by the cheapest law. */
 async function look(of) {
   if (!of.contact) {
     const run = await perp(["inspect", ...of.words], of.files);
@@ -368,7 +368,7 @@ function show_result(json) {
   show("result-part", true);
 }
 
-/** What --verify says: y is the one solution in the box. */
+/** Answer of --verify: y is the one solution in the box. */
 function proof_of(verified) {
   if (!verified) return undefined;
   return verified.unique ? `exactly one solution within ${verified.radius.toExponential(1)} of these values` : `none: ${verified.why_not}`;

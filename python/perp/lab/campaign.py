@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What commands of the laboratory have in common: the program perp, the machine, options, Ctrl-C, progress, tables."""
+"""Common parts of the laboratory's commands: the program perp, the machine, options, Ctrl-C, progress, tables."""
 
 import argparse
 import contextlib

@@ -12,7 +12,7 @@ MAY_DIFFER = {"build", "libraries", "date", "command_line", "machine", "jobs", "
 
 
 def same(campaign):
-    """What all shards of a campaign have in common."""
+    """Common parts of all shards of a campaign."""
     problems = [{key: value for key, value in p.items() if key != "file"} for p in campaign["problems"]]
     kept = {key: value for key, value in campaign.items() if key not in MAY_DIFFER}
     return {**kept, "problems": problems, "number of shards": parse_shard(campaign.get("shard"))[1]}

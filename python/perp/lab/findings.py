@@ -261,7 +261,7 @@ def robustness(data):
     return sorted(rows, key=lambda row: (row[1][3] > 0, row[1][1], row[1][2], data.methods[row[0]]))
 
 
-# What Coulomb's law says of solutions by other laws.
+# Judgement by Coulomb's law of solutions by other laws.
 
 LAWS = {
     "variant": "formulation+method/form", "judged by": "the law whose residual decides", "solved": "problems",
