@@ -6,53 +6,13 @@
 
 #include "lcp/exact_sum.hpp"
 #include "lcp/judge/refutation.hpp"
-#include "lcp/solve/solve.hpp"
+#include "ncp/analysis/demands.hpp"
 #include "ncp/analysis/no_solution.hpp"
 #include "ncp/analysis/row_sums.hpp"
 #include "ncp/interval/exact_multipliers.hpp"
 
 namespace perp::ncp {
 namespace {
-
-/// The linear program that asks for a z in the box with the signs of F that the box alone asks for: F_i >= 0 where only
-/// l_i is finite, F_i <= 0 where only u_i is, F_i = 0 where neither is. Its conditions, with multipliers v of these
-/// rows,
-///     z in its box _|_ -(A B)'v,    v _|_ (A B) z + c.
-struct FeasibilityProgram {
-  lcp::AffineMcp problem;
-  std::vector<Index> rows{};  ///< of v
-};
-
-FeasibilityProgram feasibility_program(const RowSums& sums) {
-  const Box& box = sums.problem.box;
-  const Index all = box.size();
-  FeasibilityProgram out;
-  std::vector<Index> place(at(all), -1);
-  for (Index i = 0; i < all; ++i)
-    if (sums.rows[at(i)] != 0 && !(std::isfinite(box.lower[i]) && std::isfinite(box.upper[i]))) {
-      place[at(i)] = all + std::ssize(out.rows);
-      out.rows.push_back(i);
-    }
-  const Index size = all + std::ssize(out.rows);
-  out.problem = {.M = SpMat(size, size), .q = Vec::Zero(size), .box = Box::free(size)};
-  out.problem.box.lower.head(all) = box.lower;
-  out.problem.box.upper.head(all) = box.upper;
-  for (const Index i : out.rows) {
-    const Index v = place[at(i)];
-    out.problem.q[v] = sums.problem.q[i];
-    if (std::isfinite(box.lower[i])) out.problem.box.lower[v] = 0;
-    if (std::isfinite(box.upper[i])) out.problem.box.upper[v] = 0;
-  }
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Index j = 0; j < all; ++j)
-    for (SpMat::InnerIterator it(sums.problem.M, j); it; ++it)
-      if (const auto v = static_cast<int>(place[at(it.row())]); v >= 0) {
-        entries.emplace_back(v, static_cast<int>(j), it.value());
-        entries.emplace_back(static_cast<int>(j), v, -it.value());
-      }
-  out.problem.M.setFromTriplets(entries.begin(), entries.end());
-  return out;
-}
 
 /// A proof within a radius is one of variables below it; terms may be beyond, as exp(72) is beyond 1e31. Of them it
 /// needs the right sign of y'B where their range is infinite.
@@ -95,15 +55,13 @@ std::optional<Infeasibility> no_solution_by_sums(const Mcp& mcp, double tol, lcp
   using namespace std::chrono_literals;
   std::optional<RowSums> sums = row_sums(mcp);
   if (!sums) return std::nullopt;
-  const FeasibilityProgram program = feasibility_program(*sums);
-  lcp::Limits limits;
-  limits.deadline = std::min(deadline, std::chrono::steady_clock::now() + 1s);
-  const Vec start = lcp::project(program.problem.box, Vec::Zero(program.problem.size()));
-  const lcp::Result found = lcp::solve(program.problem, start, lcp::Auto{}, limits);
-  if (found.status != Status::Infeasible || found.certificate.size() == 0) return std::nullopt;
+  const LinearDemands all(sums->problem, sums->rows);
+  Demands demands = all.all();
+  std::erase_if(demands, [](const Demand& d) { return d.of != Demand::Row; });
+  const auto found = all.elastic(demands, sums->problem.box, std::min(deadline, std::chrono::steady_clock::now() + 1s));
+  if (!found || !(found->total > 0)) return std::nullopt;
   Vec y = Vec::Zero(sums->problem.size());
-  for (std::size_t k = 0; k < program.rows.size(); ++k)
-    y[program.rows[k]] = found.certificate[y.size() + static_cast<Index>(k)];
+  for (std::size_t k = 0; k < demands.size(); ++k) y[demands[k].index] = found->y[k];
   if (const Vec exact = lcp::exact_certificate(sums->problem, y, tol); exact.size() > 0) y = exact;
   const auto proves = [&](const lcp::Refutation& proof) {
     return proof.tolerance >= tol && lcp::holds(sums->problem, proof) &&
