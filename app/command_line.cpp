@@ -214,6 +214,12 @@ struct CommandLine {
            "NUMBER|FILE");
     option(command, "--upper", source.upper, "with M.mtx: the upper bounds, a number for all or a file (default inf)",
            "NUMBER|FILE");
+    option(command, "--rows", source.rows,
+           "with M.mtx: A of a variational inequality over b <= A x <= c and the bounds", "A.mtx");
+    option(command, "--row-lower", source.row_lower, "with --rows: b, a number for all or a file (default -inf)",
+           "NUMBER|FILE");
+    option(command, "--row-upper", source.row_upper, "with --rows: c, a number for all or a file (default inf)",
+           "NUMBER|FILE");
     option(command, "--start", source.start, "which start of a problem of the collection, counted from 1", "K");
     option(command, "--start-at", source.start_at, start_at, "FILE");
   }

@@ -11,6 +11,7 @@
 #include "capi/perp.h"
 #include "contact/model/problem.hpp"
 #include "ncp/ampl/model.hpp"
+#include "ncp/interval/expression.hpp"
 #include "ncp/settings/settings.hpp"
 #include "ncp/strategy/kept.hpp"
 
@@ -27,6 +28,8 @@ class NamedMcp final : public ncp::Mcp {
   bool is_affine() const override { return mcp_->is_affine(); }
   const lcp::AffineMcp* affine() const override { return mcp_->affine(); }
   std::vector<bool> linear_entries() const override { return mcp_->linear_entries(); }
+  std::optional<ncp::Expressions> expressions() const override { return mcp_->expressions(); }
+  const lcp::Polyhedron* polyhedron() const override { return mcp_->polyhedron(); }
   ncp::JacobianWork jacobian_work() const override { return mcp_->jacobian_work(); }
   const ncp::Enclosure* enclosure() const override { return mcp_->enclosure(); }
   std::string name() const override { return name_; }
@@ -37,6 +40,7 @@ class NamedMcp final : public ncp::Mcp {
   void set_name(std::string name) { name_ = std::move(name); }
   /// The number of the first variable that has no name; nothing: names are the problem's own.
   void count_from(int first) { first_ = first; }
+  int first() const { return first_.value_or(1); }
   void set_names(std::vector<std::string> variables, std::vector<std::string> equations) {
     variables_ = std::move(variables);
     equations_ = std::move(equations);

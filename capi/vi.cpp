@@ -6,31 +6,29 @@
 #include "capi/guard.hpp"
 #include "capi/matrix.hpp"
 #include "capi/solve.hpp"
+#include "ncp/problem/lifted_vi.hpp"
 #include "ncp/settings/session.hpp"
-#include "ncp/strategy/vi.hpp"
 
 namespace perp::capi {
 
 namespace {
 
-Part vi_solved(Work& work, const perp_problem& problem, const SpMat& A, const lcp::Box& rows, const Vec& x0) {
+settings::Outcome vi_outcome(Work& work, const perp_problem& problem, const SpMat& A, const lcp::Box& rows,
+                             const Vec& x0) {
   const settings::Settings& settings = work.solver().options.settings;
-  const ncp::Stop& stop = ncp::stop(settings.method);
-  lcp::Limits limits{.tol = stop.tol};
-  limits.interrupted = [&work] { return work.stop()->load(); };
-  limits.deadline = lcp::deadline_after(stop.max_time);
-  Part stats;
-  lcp::ViResult result = work.watch().over([&] {
-    return ncp::solve_vi(
-        problem.mcp, A, rows, x0,
-        [&](const ncp::Mcp& lifted, const Vec& z0) {
-          const settings::Session session{.mcp = lifted, .x0 = z0, .settings = settings, .interrupt = work.stop()};
-          ncp::Result found = session.run().result;
-          stats = part_of(found.stats, problem.callbacks);
-          return found;
-        },
-        limits);
-  });
+  if (const lcp::AffineMcp* affine = problem.mcp.affine()) {  // needs no problem with multipliers
+    lcp::Limits limits = ncp::vi_limits(ncp::stop(settings.method));
+    limits.interrupted = [&work] { return work.stop()->load(); };
+    return {.vi = lcp::solve_vi({affine->M, affine->q, {A, rows, problem.mcp.box()}}, {}, limits)};
+  }
+  const std::unique_ptr<ncp::Mcp> lifted = ncp::lifted(problem.mcp, A, rows, problem.mcp.first());
+  const Vec z0 = ncp::lifted_point(*lifted, x0, Vec::Zero(A.rows()));
+  return settings::Session{.mcp = *lifted, .x0 = z0, .settings = settings, .interrupt = work.stop()}.run();
+}
+
+Part vi_solved(Work& work, const perp_problem& problem, const SpMat& A, const lcp::Box& rows, const Vec& x0) {
+  settings::Outcome outcome = work.watch().over([&] { return vi_outcome(work, problem, A, rows, x0); });
+  lcp::ViResult& result = *outcome.vi;
   work.watch().check();
   if (!result.accepted() && *work.stop()) {
     result.status = Status::Interrupted;
@@ -53,7 +51,7 @@ Part vi_solved(Work& work, const perp_problem& problem, const SpMat& A, const lc
       .add("empty", result.empty)
       .add("certificate", std::move(result.certificate))
       .add("iterations", result.iterations);
-  if (stats) part->add("stats", std::move(stats));
+  if (problem.mcp.affine() == nullptr) part->add("stats", part_of(outcome.result.stats, problem.callbacks));
   return part;
 }
 

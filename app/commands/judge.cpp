@@ -9,6 +9,7 @@
 #include "app/text/json_parts.hpp"
 #include "lcp/io/matrix_market.hpp"
 #include "ncp/problem/residual.hpp"
+#include "ncp/strategy/vi.hpp"
 
 namespace perp::app {
 
@@ -43,6 +44,15 @@ Verdict verdict_of(const ncp::Mcp& mcp, ncp::Vec x, double tol) {
   const bool near = finite && out <= tol;
   verdict.residual = ncp::residual(mcp, near ? inside : verdict.x);
   if (near) verdict.residual.natural = std::max(out, verdict.residual.natural);
+  if (mcp.polyhedron() != nullptr) {  // multipliers need not be unique: x alone is judged
+    lcp::Limits limits;
+    limits.tol = tol;
+    const lcp::ViResult of_x = ncp::judge_vi(mcp, verdict.x.head(mcp.polyhedron()->size()), limits);
+    verdict.residual.natural = of_x.residual;
+    verdict.residual.worst = of_x.worst;
+    verdict.to_rounding = of_x.accepted();
+    return verdict;
+  }
   verdict.to_rounding = finite && ncp::accuracy(mcp, inside).to_rounding;
   return verdict;
 }

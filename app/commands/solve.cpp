@@ -45,6 +45,9 @@ ProblemSource source_of(const SolveRequest& request) {
           .q = request.q,
           .lower = request.lower,
           .upper = request.upper,
+          .rows = request.rows,
+          .row_lower = request.row_lower,
+          .row_upper = request.row_upper,
           .start_at = request.start_at,
           .start = request.start};
 }

@@ -37,6 +37,9 @@ struct SolveRequest {
   std::string q{};      ///< of a matrix file: the vector's
   std::string lower{};  ///< of a matrix file: a file or a number
   std::string upper{};
+  std::string rows{};       ///< of a variational inequality with that matrix: the file of A
+  std::string row_lower{};  ///< of A: a file or a number
+  std::string row_upper{};
   std::string start_at{};               ///< a file with the start
   std::string warm_start{};             ///< the JSON of an earlier run: start from its point and basis
   std::string plot{};                   ///< where to draw the run as SVG; "" for nowhere

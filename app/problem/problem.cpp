@@ -17,6 +17,7 @@
 #include "lcp/io/siconos_file.hpp"
 #include "lcp/memory.hpp"
 #include "ncp/problem/affine.hpp"
+#include "ncp/problem/lifted_vi.hpp"
 
 namespace perp::app {
 
@@ -91,12 +92,14 @@ bool is_number(const std::string& given) {
   return *end == '\0';
 }
 
-/// Of every variable: the number, or the numbers of the file.
+/// Of each variable or row: the number, or the numbers of the file.
 lcp::Vec bound(const char* flag, const std::string& given, double otherwise, lcp::Index n) {
   if (given.empty()) return lcp::Vec::Constant(n, otherwise);
   lcp::Vec bounds =
       is_number(given) ? lcp::Vec::Constant(n, std::strtod(given.c_str(), nullptr)) : lcp::read_vector(given, true);
-  if (bounds.size() != n) throw input_error("{} {}: {} numbers for {} variables", flag, given, bounds.size(), n);
+  if (bounds.size() != n)
+    throw input_error("{} {}: {} numbers for {} {}", flag, given, bounds.size(), n,
+                      std::string_view(flag).starts_with("--row") ? "rows" : "variables");
   return bounds;
 }
 
@@ -123,6 +126,20 @@ LoadedProblem from_matrix(const ProblemSource& source) {
   problem.box = {bound("--lower", source.lower, 0, n), bound("--upper", source.upper, lcp::infinity, n)};
   LoadedProblem loaded{.label = source.problem, .mcp = nullptr, .x0 = lcp::Vec::Zero(n)};
   loaded.mcp = ncp::make_affine_mcp(std::move(problem), source.problem);
+  if (source.rows.empty()) {
+    for (const auto& [flag, given] : {std::pair{"--row-lower", source.row_lower}, {"--row-upper", source.row_upper}})
+      if (!given.empty()) throw input_error("{} {}: --rows A.mtx, whose bounds these are, is missing", flag, given);
+    return loaded;
+  }
+  const lcp::SpMat A = lcp::read_matrix(source.rows);
+  if (A.cols() != n)
+    throw input_error("--rows {}: the matrix is {} x {}, and {} has {} variables", source.rows, A.rows(), A.cols(),
+                      source.problem, n);
+  loaded.without_rows = std::move(loaded.mcp);
+  loaded.mcp = ncp::lifted(*loaded.without_rows, A,
+                           {bound("--row-lower", source.row_lower, -lcp::infinity, A.rows()),
+                            bound("--row-upper", source.row_upper, lcp::infinity, A.rows())});
+  loaded.x0 = ncp::lifted_point(*loaded.mcp, loaded.x0, lcp::Vec::Zero(A.rows()));
   return loaded;
 }
 
@@ -169,8 +186,12 @@ bool is_matrix_file(const std::string& argument) { return argument.ends_with(".m
 LoadedProblem load_problem(const ProblemSource& source) {
   const bool matrix = source.problem.ends_with(".mtx");
   if (!matrix)
-    for (const auto& [flag, given] :
-         {std::pair{"a second file", source.q}, {"--lower", source.lower}, {"--upper", source.upper}})
+    for (const auto& [flag, given] : {std::pair{"a second file", source.q},
+                                      {"--lower", source.lower},
+                                      {"--upper", source.upper},
+                                      {"--rows", source.rows},
+                                      {"--row-lower", source.row_lower},
+                                      {"--row-upper", source.row_upper}})
       if (!given.empty())
         throw input_error("{} ('{}') goes with a matrix file, not with '{}'", flag, given, source.problem);
   if (is_matrix_file(source.problem) && source.start.value_or(1) != 1)
@@ -180,6 +201,8 @@ LoadedProblem load_problem(const ProblemSource& source) {
                                                              : load_problem(source.problem, source.start);
   if (!source.start_at.empty()) {
     problem.x0 = lcp::read_vector(source.start_at);
+    if (problem.without_rows && problem.x0.size() == problem.own_variables())
+      problem.x0 = ncp::lifted_point(*problem.mcp, problem.x0, lcp::Vec::Zero(problem.mcp->polyhedron()->A.rows()));
     if (problem.x0.size() != problem.mcp->size())
       throw input_error("--start-at {}: {} numbers for {} variables", source.start_at, problem.x0.size(),
                         problem.mcp->size());
@@ -214,8 +237,12 @@ std::vector<FileUse> files_of(const ProblemSource& source) {
     for (const char* ending : {".nl", ".col", ".row"}) files.push_back({"", stub + ending});
   }
   files.push_back({"", source.q});
-  if (!is_number(source.lower)) files.push_back({"--lower", source.lower});
-  if (!is_number(source.upper)) files.push_back({"--upper", source.upper});
+  files.push_back({"--rows", source.rows});
+  for (const auto& [flag, given] : {std::pair{"--lower", source.lower},
+                                    {"--upper", source.upper},
+                                    {"--row-lower", source.row_lower},
+                                    {"--row-upper", source.row_upper}})
+    if (!is_number(given)) files.push_back({flag, given});
   files.push_back({"--start-at", source.start_at});
   return files;
 }

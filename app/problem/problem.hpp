@@ -22,11 +22,14 @@ struct LoadedProblem {
   int starts = 1;  ///< how many there are
   std::vector<ncp::collection::KnownSolution> solutions{};
   bool solutions_complete = false;
-  std::string no_solution{};                ///< why there is none, where the collection knows that
-  const ncp::ampl::Model* model = nullptr;  ///< mcp, if it came from a file
+  std::string no_solution{};                 ///< why there is none, where the collection knows that
+  const ncp::ampl::Model* model = nullptr;   ///< mcp, if it came from a file
+  std::unique_ptr<ncp::Mcp> without_rows{};  ///< of a variational inequality from matrix files: F, which mcp refers to
 
   /// Of the variables a user knows: without those added for side inequalities.
-  ncp::Index own_variables() const { return model != nullptr ? model->n_var() : mcp->size(); }
+  ncp::Index own_variables() const {
+    return model != nullptr ? model->n_var() : without_rows ? without_rows->size() : mcp->size();
+  }
 };
 
 /// The state of a variable that is no unknown (ncp::ampl::Model::computed).
@@ -38,6 +41,9 @@ struct ProblemSource {
   std::string q{};             ///< of M.mtx: q.mtx
   std::string lower{};         ///< of M.mtx: a file or a number; empty: 0
   std::string upper{};         ///< of M.mtx: a file or a number; empty: inf
+  std::string rows{};          ///< with M.mtx: A of a variational inequality over b <= A x <= c and the bounds
+  std::string row_lower{};     ///< b, a file or a number; empty: -inf
+  std::string row_upper{};     ///< c, a file or a number; empty: inf
   std::string start_at{};      ///< a file with the point to start from, in place of the problem's own start
   std::optional<int> start{};  ///< of a collection problem, from 1
 };

@@ -121,7 +121,7 @@ ViResult judge_vi(Projector& projector, In x, In F, double F_error, In terms, Fa
   result.residual = largest * (1 + 4 * unit) + result.projection_error;
   if (result.residual <= limits.tol) {
     result.status = Status::Solved;
-    result.message = text_of("solved: natural residual ", result.residual);
+    result.message = text_of("natural residual ", result.residual);
     return result;
   }
   // The error has no bound that is small enough: p stands for the projection as far as it meets what defines one.

@@ -81,7 +81,7 @@ std::optional<Turned> turned(const NlModel& model, const PointValues& constants,
 
 }  // namespace
 
-bool is_equation(const NlRange& row) { return row.complement < 0 && row.lower == row.upper; }
+bool is_equation(const NlRange& row) { return row.complement < 0 && !row.polyhedron && row.lower == row.upper; }
 
 Conditions conditions(const NlModel& model) {
   std::vector<char> complemented(model.variables.size(), 0);

@@ -35,6 +35,7 @@ struct Conditions {
 };
 Conditions conditions(const NlModel& model);
 
+/// Not those of a polyhedron.
 bool is_equation(const NlRange& row);
 inline bool is_free(const NlRange& range) { return range.lower == -infinity && range.upper == infinity; }
 

@@ -7,6 +7,7 @@
 
 #include "lcp/io/file_path.hpp"
 #include "lcp/io/output_file.hpp"
+#include "lcp/vi/polyhedron.hpp"
 #include "ncp/ampl/asl_problem.hpp"
 #include "ncp/ampl/exchanged.hpp"
 #include "ncp/ampl/linearity.hpp"
@@ -15,6 +16,7 @@
 #include "ncp/ampl/nl_check.hpp"
 #include "ncp/ampl/pairing.hpp"
 #include "ncp/ampl/sol.hpp"
+#include "ncp/interval/undefined.hpp"
 
 namespace perp::ncp::ampl {
 namespace {
@@ -63,6 +65,7 @@ class AslModel final : public Model {
         nonzeros_(at(nl_.header.jacobian_nonzeros), 0.0) {
     point_.assign(at(nl_.header.n_var), 0.0);
     for (Index u = 0; u < n_var(); ++u) start_[u] = nl_.start[at(pairing_.variables[at(u)])];
+    if (pairing_.multipliers > 0) C_ = polyhedron_of_multipliers();
     all_used_ = std::find(pairing_.used.begin(), pairing_.used.end(), 0) == pairing_.used.end();
   }
 
@@ -75,13 +78,14 @@ class AslModel final : public Model {
   std::vector<bool> linear_entries() const override { return linear_; }
   const Enclosure* enclosure() const override { return enclosure_.get(); }
   std::optional<Expressions> expressions() const override { return model_expressions(nl_, pairing_); }
+  const lcp::Polyhedron* polyhedron() const override { return C_ ? &*C_ : nullptr; }
   std::string name() const override { return file_name(stub_); }
   std::string variable_name(Index i) const override { return unknown_name(pairing_, names_, i); }
   std::string equation_name(Index i) const override { return ampl::equation_name(pairing_, names_, i); }
 
   const Vec& start() const override { return start_; }
   Index n_var() const override { return static_cast<Index>(pairing_.variables.size()); }
-  Index side_inequalities() const override { return size() - n_var(); }
+  Index side_inequalities() const override { return size() - n_var() - pairing_.multipliers; }
   bool has_names() const override { return names_.complete(); }
   bool has_objective() const override { return nl_.header.n_obj > 0; }
   std::vector<Computed> computed(In x) const override;
@@ -95,6 +99,7 @@ class AslModel final : public Model {
       point_[at(pairing_.variables[u])] = x[static_cast<Index>(u)];
     return point_.data();
   }
+  lcp::Polyhedron polyhedron_of_multipliers() const;
   /// c(x); in the rows known to be undefined NaN, or infinity (of whatever sign) after an overflow. false: rows were
   /// left out.
   bool values_of_rows(In x) const;
@@ -111,6 +116,7 @@ class AslModel final : public Model {
   std::unique_ptr<Enclosure> enclosure_;
   AslProblem asl_;
   Vec start_;
+  std::optional<lcp::Polyhedron> C_{};
   bool all_used_ = true;                  // every row takes part in F
   mutable std::vector<double> point_;     // see point()
   mutable std::vector<double> rows_;      // c(x); not finite where it is not defined
@@ -138,9 +144,25 @@ bool AslModel::eval(In x, Out F) const {
     const double v = e.of_row ? rows_[at(e.index)] : point_[at(e.index)];
     F[u] = e.sign * (v - e.bound) - (e.side ? x[u] : 0.0);
     if (e.condition >= 0) F[u] += rows_[at(e.condition)];
-    if (!std::isfinite(F[u])) defined = false;
   }
-  return defined;
+  if (pairing_.multipliers > 0) F += pairing_.forces * x;
+  return defined && F.allFinite();
+}
+
+/// Each multiplier has a row and one side of it, b <= A x; a constant of the row is in b.
+lcp::Polyhedron AslModel::polyhedron_of_multipliers() const {
+  const Index m = pairing_.multipliers, n = size() - m;
+  const SpMat forces = pairing_.forces.topRightCorner(n, m);
+  const PointValues constants(nl_.expressions.graph, std::vector<double>(nl_.variables.size(), 0));
+  lcp::Polyhedron C{.A = -SpMat(forces.transpose()),
+                    .rows = {Vec(m), Vec::Constant(m, infinity)},
+                    .box = {box().lower.head(n), box().upper.head(n)}};
+  for (Index k = 0; k < m; ++k) {
+    const Equation& e = pairing_.equations[at(n + k)];
+    C.rows.lower[k] = e.sign * (e.bound - constants[nl_.expressions.rows[at(e.index)]]);
+    if (box().is_free(n + k)) C.rows.upper[k] = C.rows.lower[k];
+  }
+  return C;
 }
 
 bool AslModel::jacobian(In x, SpMat& J) const {

@@ -8,7 +8,9 @@
 /// with an extra variable y:
 ///     c(x) >= b  becomes  c(x) - b - y >= 0  _|_  y >= 0
 /// (c(x) <= b mirrored, a range one of each), so that the Jacobian has no empty column (Munson's form, the AMPL/PATH
-/// driver's). References: Ferris, Fourer & Gay, SIAM J. Optim. 9 (1999) 991; Gay, "Writing .nl files" (2005).
+/// driver's). Linear rows with the suffix `polyhedron` are A of a variational inequality over {x: b <= A x <= c}
+/// instead: the problem is the one with multipliers of theirs (ncp/problem/lifted_vi.hpp), and polyhedron() is that.
+/// References: Ferris, Fourer & Gay, SIAM J. Optim. 9 (1999) 991; Gay, "Writing .nl files" (2005).
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -40,8 +42,8 @@ inline constexpr int nonsquare = 504;
 inline constexpr int not_applicable = 590;
 
 /// An MCP read from an .nl file. The first n_var() unknowns are the model's variables in its order, but for auxiliary
-/// ones that only stand for the expression of a condition (Pyomo's); the rest are the y of the side inequalities. Names
-/// come from the .col and .row files beside the stub where they exist.
+/// ones that only stand for the expression of a condition (Pyomo's); the rest are the y of the side inequalities and
+/// the multipliers of a polyhedron. Names come from the .col and .row files beside the stub where they exist.
 class Model : public Mcp {
  public:
   virtual const Vec& start() const = 0;  ///< the model's initial guess; 0 where it gives none; size() entries

@@ -62,6 +62,8 @@ void ModelEnclosure::values(std::span<const Interval> X, std::span<Interval> F, 
     if (e.side) F[u] = F[u] - X[u];
     if (!defined.empty()) defined[u] = e.of_row ? ranges.defined[at(root(e.index))] : char{1};
   }
+  for (Index u = 0; u < pairing_.forces.cols(); ++u)
+    for (SpMat::InnerIterator it(pairing_.forces, u); it; ++it) F[at(it.row())] += it.value() * X[at(u)];
 }
 
 void ModelEnclosure::jacobian(std::span<const Interval> X, std::span<Interval> J, std::span<char> known) const {
@@ -164,6 +166,7 @@ Expressions model_expressions(const NlModel& model, const Pairing& pairing) {
   Expressions out;
   ExpressionGraph& graph = out.graph;
   WrittenRows written(model, pairing, graph);
+  const SpMat forces = pairing.forces.transpose();
   for (std::size_t u = 0; u < pairing.equations.size(); ++u) {
     const Equation& e = pairing.equations[u];
     const ExpressionGraph::Node v = e.of_row ? written.row(e.index) : written.variable(e.index);
@@ -171,6 +174,8 @@ Expressions model_expressions(const NlModel& model, const Pairing& pairing) {
                                              graph.constant(-e.sign * e.bound)};
     if (e.condition >= 0) terms.push_back(written.row(e.condition));
     if (e.side) terms.push_back(graph.unary(Operation::Negate, graph.variable(static_cast<int>(u))));
+    for (SpMat::InnerIterator it(forces, static_cast<Index>(u)); it; ++it)
+      terms.push_back(written.times(it.value(), graph.variable(static_cast<int>(it.row()))));
     out.rows.push_back(graph.sum(terms));
   }
   return out;

@@ -23,7 +23,8 @@ class Segments {
         has_objective_(at(header_.n_obj), 0),
         has_jacobian_(at(header_.n_con), 0),
         column_count_(at(header_.n_var), 0),
-        last_row_(at(header_.n_var), -1) {}
+        last_row_(at(header_.n_var), -1),
+        polyhedron_(at(header_.n_con), 0) {}
 
   void run() {
     while (!tokens_.at_end()) segment(tokens_.kind());
@@ -59,7 +60,8 @@ class Segments {
   std::vector<std::size_t> row_anchor_;  // where its expression begins if it needs an anchor, else 0
   std::vector<char> has_gradient_, has_objective_, has_jacobian_;
   std::vector<int> column_count_;
-  std::vector<int> last_row_;  // the last row to name the variable in its J segment
+  std::vector<int> last_row_;     // the last row to name the variable in its J segment
+  std::vector<char> polyhedron_;  // rows with that suffix
   std::vector<int> declared_columns_;
   int nonzeros_ = 0;
   int owner_ = 0;             // the single row that the V segments just read are for; 0: none
@@ -195,15 +197,13 @@ void Segments::suffix() {
   const int of = kind & 3;
   const int n = of == 0 ? header_.n_var : of == 1 ? header_.n_con : of == 2 ? header_.n_obj : 1;
   const int values = tokens_.integer("number of suffix values", 1, n);
-  tokens_.word("name of the suffix");
+  const bool polyhedron = tokens_.word("name of the suffix") == polyhedron_suffix && of == 1;
   tokens_.close();
   for (int i = 0; i < values; ++i) {
     tokens_.item();
-    tokens_.integer("index of a suffix value", 0, n - 1);
-    if (kind & 4)
-      tokens_.real("suffix value");
-    else
-      tokens_.integer("suffix value", INT_MIN, INT_MAX);
+    const int index = tokens_.integer("index of a suffix value", 0, n - 1);
+    const double value = kind & 4 ? tokens_.real("suffix value") : tokens_.integer("suffix value", INT_MIN, INT_MAX);
+    if (polyhedron) polyhedron_[at(index)] = value != 0;
     tokens_.close();
   }
 }
@@ -352,6 +352,7 @@ void Segments::finish() {
                  " Jacobian nonzeros, the J segments have " + std::to_string(nonzeros_));
   check_columns();
   check_mentions();
+  for (std::size_t i = 0; i < polyhedron_.size(); ++i) model_.rows[i].polyhedron = polyhedron_[i] != 0;
   for (std::size_t i = 0; i < row_anchor_.size(); ++i) {
     const std::vector<int>& variables = model_.row_variables[i];
     if (row_anchor_[i] != 0) model_.anchors.push_back({row_anchor_[i], variables.empty() ? 0 : variables.front()});

@@ -12,11 +12,15 @@
 
 namespace perp::ncp::ampl {
 
+/// The suffix of the rows whose polyhedron a variational inequality is over.
+inline constexpr std::string_view polyhedron_suffix = "polyhedron";
+
 /// lower <= variable or row <= upper; or the row complements a variable.
 struct NlRange {
   double lower = 0, upper = 0;
-  int complement = -1;  ///< row only: the variable it complements, 0-based; -1: none
-  int bounds = 0;       ///< with it: 1 a finite lower bound of that variable counts, 2 an upper, 3 both, 0 none
+  int complement = -1;      ///< row only: the variable it complements, 0-based; -1: none
+  int bounds = 0;           ///< with it: 1 a finite lower bound of that variable counts, 2 an upper, 3 both, 0 none
+  bool polyhedron = false;  ///< row only: of the polyhedron of a variational inequality, by its suffix
   Place place = 0;
 };
 

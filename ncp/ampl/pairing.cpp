@@ -91,6 +91,20 @@ void refuse_contradictions(const NlModel& model, const Names& names) {
   }
 }
 
+void refuse_bent_polyhedra(const NlModel& model, const Names& names) {
+  for (std::size_t i = 0; i < model.rows.size(); ++i) {
+    const NlRange& row = model.rows[i];
+    const char* wrong = !row.polyhedron              ? nullptr
+                        : !model.mentions[i].empty() ? "is not linear"
+                        : row.complement >= 0        ? "complements a variable"
+                                                     : nullptr;
+    if (wrong != nullptr)
+      throw ModelError(bad_file, model.at(row.place) + ": constraint " + names.row(static_cast<int>(i)) + " " + wrong +
+                                     ", and has the suffix " + std::string(polyhedron_suffix) +
+                                     ": the rows A x of a polyhedron are linear, and complement nothing");
+  }
+}
+
 void refuse_double_complements(const NlModel& model, const Names& names, const std::vector<char>& complemented) {
   std::vector<int> first(model.variables.size(), -1);
   for (std::size_t i = 0; i < model.rows.size(); ++i) {
@@ -240,19 +254,46 @@ void add_side(Pairing& pairing, std::vector<Equation>& sides, bool of_row, int i
   if (std::isfinite(range.upper)) sides.push_back({of_row, index, -1, range.upper, true});
 }
 
+/// One multiplier of an equation, or one of each finite side.
+void add_multipliers(Pairing& pairing, std::vector<Equation>& multipliers, int index, const NlRange& row) {
+  const auto add = [&](double sign, double bound) {
+    multipliers.push_back({.index = index, .sign = sign, .bound = bound, .multiplier = true});
+    pairing.used[at(index)] = 1;
+  };
+  if (std::isfinite(row.lower)) add(1, row.lower);
+  if (std::isfinite(row.upper) && row.upper != row.lower) add(-1, row.upper);
+}
+
+SpMat forces(const NlModel& model, const Pairing& pairing) {
+  const auto n = std::ssize(pairing.equations);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index u = n - pairing.multipliers; u < n; ++u) {
+    const Equation& e = pairing.equations[at(u)];
+    const std::vector<int>& variables = model.row_variables[at(e.index)];
+    for (std::size_t k = 0; k < variables.size(); ++k)
+      if (const double a = model.coefficients[at(e.index)][k]; a != 0)
+        entries.emplace_back(pairing.unknowns[at(variables[k])], static_cast<int>(u), -e.sign * a);
+  }
+  SpMat out(n, n);
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
 bool two_sided(const Pairing& pairing, Index u) {
   const Equation& e = pairing.equations[at(u)];
   const auto same = [&](Index v) {
-    return v >= 0 && at(v) < pairing.equations.size() && pairing.equations[at(v)].side &&
-           pairing.equations[at(v)].of_row == e.of_row && pairing.equations[at(v)].index == e.index;
+    return v >= 0 && at(v) < pairing.equations.size() && pairing.equations[at(v)].side == e.side &&
+           pairing.equations[at(v)].multiplier == e.multiplier && pairing.equations[at(v)].of_row == e.of_row &&
+           pairing.equations[at(v)].index == e.index;
   };
   return same(u - 1) || same(u + 1);
 }
 
-std::string side_name(const Pairing& pairing, const Names& names, Index u) {
+std::string added_name(const Pairing& pairing, const Names& names, Index u) {
   const Equation& e = pairing.equations[at(u)];
-  const char* which = e.of_row && !two_sided(pairing, u) ? "side[" : e.sign > 0 ? "side_lower[" : "side_upper[";
-  return which + (e.of_row ? names.row(e.index) : names.variable(e.index)) + "]";
+  const char* which = e.of_row && !two_sided(pairing, u) ? "[" : e.sign > 0 ? "_lower[" : "_upper[";
+  return (e.multiplier ? "multiplier" : "side") + (which + (e.of_row ? names.row(e.index) : names.variable(e.index))) +
+         "]";
 }
 
 }  // namespace
@@ -267,6 +308,7 @@ Pairing pair(const NlModel& model, const Names& names) {
   for (const NlRange& row : model.rows)
     if (row.complement >= 0) complemented[at(row.complement)] = 1;
   refuse_double_complements(model, names, complemented);
+  refuse_bent_polyhedra(model, names);
   const Conditions found = conditions(model);
   refuse_nonsquare(model, names, found);
 
@@ -274,7 +316,7 @@ Pairing pair(const NlModel& model, const Names& names) {
   pairing.used.assign(model.rows.size(), 0);
   for (const int i : found.used) pairing.used[at(i)] = 1;
   pairing.auxiliaries = found.auxiliaries;
-  std::vector<Equation> own = found.own, sides;
+  std::vector<Equation> own = found.own, sides, multipliers;
   std::vector<char> paired = complemented;  // variables that have their row
   for (const Turned& turn : found.turns) paired[at(turn.variable)] = 1;
   int next = 0;  // the first variable that may still be without an equation
@@ -282,7 +324,9 @@ Pairing pair(const NlModel& model, const Names& names) {
     const NlRange& row = model.rows[i];
     const auto index = static_cast<int>(i);
     if (found.gone_row[i]) continue;
-    if (row.complement >= 0) {
+    if (row.polyhedron) {
+      add_multipliers(pairing, multipliers, index, row);
+    } else if (row.complement >= 0) {
       own[at(row.complement)] = {.index = index};
       pairing.used[i] = 1;
     } else if (is_equation(row)) {
@@ -303,7 +347,10 @@ Pairing pair(const NlModel& model, const Names& names) {
     pairing.variables.push_back(j);
     pairing.equations.push_back(own[at(j)]);
   }
-  pairing.equations.insert(pairing.equations.end(), sides.begin(), sides.end());
+  for (const auto* added : {&sides, &multipliers})
+    pairing.equations.insert(pairing.equations.end(), added->begin(), added->end());
+  pairing.multipliers = std::ssize(multipliers);
+  pairing.forces = forces(model, pairing);
   pairing.box = Box::free(static_cast<Index>(pairing.equations.size()));
   for (std::size_t u = 0; u < pairing.variables.size(); ++u) {
     const int j = pairing.variables[u];
@@ -313,7 +360,10 @@ Pairing pair(const NlModel& model, const Names& names) {
   }
   for (const Turned& turn : found.turns)
     (turn.above ? pairing.box.lower : pairing.box.upper)[pairing.unknowns[at(turn.variable)]] = turn.bound;
-  pairing.box.lower.tail(static_cast<Index>(sides.size())).setZero();
+  for (Index u = std::ssize(pairing.variables); u < pairing.box.size(); ++u) {
+    const Equation& e = pairing.equations[at(u)];
+    if (!e.multiplier || model.rows[at(e.index)].lower != model.rows[at(e.index)].upper) pairing.box.lower[u] = 0;
+  }
   return pairing;
 }
 
@@ -376,6 +426,9 @@ JacobianMap map_jacobian(const NlModel& model, const Pairing& pairing) {
     }
     if (e.side) add(u, {-1, -1.0});
   }
+  for (Index u = n - pairing.multipliers; u < n; ++u)
+    for (SpMat::InnerIterator it(pairing.forces, u); it; ++it, ++count)
+      columns[at(u)].emplace_back(static_cast<int>(it.row()), JacobianMap::Entry{-1, it.value()});
   if (count > INT_MAX) throw ModelError(bad_file, model.file + ": the Jacobian has more than 2^31 - 1 nonzeros");
 
   JacobianMap map;
@@ -394,12 +447,12 @@ JacobianMap map_jacobian(const NlModel& model, const Pairing& pairing) {
 }
 
 std::string unknown_name(const Pairing& pairing, const Names& names, Index u) {
-  return at(u) < pairing.variables.size() ? names.variable(pairing.variables[at(u)]) : side_name(pairing, names, u);
+  return at(u) < pairing.variables.size() ? names.variable(pairing.variables[at(u)]) : added_name(pairing, names, u);
 }
 
 std::string equation_name(const Pairing& pairing, const Names& names, Index u) {
-  if (at(u) >= pairing.variables.size()) return side_name(pairing, names, u);
-  return row_name(pairing.equations[at(u)], names);
+  const Equation& e = pairing.equations[at(u)];
+  return e.side || (e.multiplier && two_sided(pairing, u)) ? added_name(pairing, names, u) : row_name(e, names);
 }
 
 }  // namespace perp::ncp::ampl

@@ -2,7 +2,8 @@
 #pragma once
 /// Which row gives which variable's F: the AMPL/PATH convention (see README.md). Every unknown u of the MCP gets
 ///     F_u(x, y) = sign_u (v_u(x) - bound_u) - [u is a side inequality] y_u,
-/// where v_u is a row c_i(x) of the model or one of its variables.
+/// where v_u is a row c_i(x) of the model or one of its variables. Rows a_i x of a polyhedron, by their suffix, give
+/// each side of theirs a multiplier u, complemented by its v_u - bound_u or the negative, and add -A'u to F.
 /// conditions.hpp has conditions that are spelt with variables and rows of their own.
 #include <vector>
 
@@ -18,7 +19,8 @@ struct Equation {
   double sign = 1;
   double bound = 0;
   bool side = false;
-  int condition = -1;  ///< row i of a condition whose auxiliary variable is gone; `index` is row e then
+  bool multiplier = false;  ///< of a row of the polyhedron
+  int condition = -1;       ///< row i of a condition whose auxiliary variable is gone; `index` is row e then
 };
 
 /// v = (bound - row(x)) / coefficient, the row at v = 0.
@@ -28,16 +30,19 @@ struct Auxiliary {
 };
 
 struct Pairing {
-  Box box;                          ///< variables but the auxiliary ones, and side inequalities
+  Box box;                          ///< variables but the auxiliary ones, side inequalities, and multipliers
   std::vector<Equation> equations;  ///< one an unknown
-  std::vector<int> variables;       ///< of the model, by unknowns; the side inequalities follow them
+  std::vector<int> variables;       ///< of the model, by unknowns; side inequalities and multipliers follow them
   std::vector<int> unknowns;        ///< of the model's variables; -1: auxiliary
   std::vector<Auxiliary> auxiliaries;
   std::vector<char> used;  ///< n_con: 0 for free rows, which impose nothing
+  Index multipliers = 0;   ///< the last unknowns
+  SpMat forces{};          ///< n x n, -A' in their columns: F has forces * (x, y, u) added
 };
 
-/// Throws ModelError: integer variables (bad_file), empty ranges (inconsistent_bounds), a complementarity row whose
-/// kind contradicts its variable's bounds, or two of one variable (bad_file), a model that is not square (nonsquare).
+/// Throws ModelError: integer variables, rows of a polyhedron that are not linear (bad_file), empty ranges
+/// (inconsistent_bounds), a complementarity row whose kind contradicts its variable's bounds, or two of one variable
+/// (bad_file), a model that is not square (nonsquare).
 Pairing pair(const NlModel& model, const Names& names);
 
 /// "no row complements x3, which has bounds: they are side inequalities", where most variables with bounds have a row:

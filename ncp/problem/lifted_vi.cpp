@@ -12,8 +12,10 @@ namespace {
 class LiftedVi final : public Mcp {
  public:
   /// The linear part is that of M = 0, q = 0.
-  LiftedVi(const Mcp& mcp, const lcp::Polyhedron& C)
+  LiftedVi(const Mcp& mcp, const lcp::Polyhedron& C, int first)
       : mcp_(mcp),
+        C_(C),
+        first_(first),
         linear_(lcp::lifted({SpMat(mcp.size(), mcp.size()), Vec::Zero(mcp.size()), C})),
         J_(mcp.jacobian_pattern()),
         F_(mcp.size()) {
@@ -56,17 +58,28 @@ class LiftedVi final : public Mcp {
   }
   bool is_affine() const override { return mcp_.is_affine(); }
   std::vector<bool> linear_entries() const override { return linear_entries_; }
+  const lcp::Polyhedron* polyhedron() const override { return &C_; }
   JacobianWork jacobian_work() const override { return mcp_.jacobian_work(); }
   std::string name() const override { return mcp_.name(); }
   std::string variable_name(Index i) const override {
-    return i < mcp_.size() ? mcp_.variable_name(i) : "multiplier " + std::to_string(i - mcp_.size() + 1);
+    return i < mcp_.size() ? mcp_.variable_name(i) : row_name("lambda", "s", i);
   }
   std::string equation_name(Index i) const override {
-    return i < mcp_.size() ? mcp_.equation_name(i) : "row " + std::to_string(i - mcp_.size() + 1);
+    return i < mcp_.size() ? mcp_.equation_name(i) : row_name("A", "lambda", i);
   }
 
  private:
+  /// Of a multiplier, or of the s of a row.
+  std::string row_name(const char* multiplier, const char* s, Index i) const {
+    const Index k = i - mcp_.size(), m = C_.A.rows();
+    const Index row = k < m ? k : SpMat::InnerIterator(pattern_, i).row() - mcp_.size();  // the one entry of its column
+    std::string name = k < m ? multiplier : s;
+    return name.append("[").append(std::to_string(row + first_)).append("]");
+  }
+
   const Mcp& mcp_;
+  lcp::Polyhedron C_;
+  int first_;
   lcp::AffineMcp linear_;
   SpMat pattern_{};
   std::vector<Index> source_{};
@@ -78,19 +91,21 @@ class LiftedVi final : public Mcp {
 
 }  // namespace
 
-std::unique_ptr<Mcp> lifted(const Mcp& mcp, const SpMat& A, const Box& rows) {
+std::unique_ptr<Mcp> lifted(const Mcp& mcp, const SpMat& A, const Box& rows, int first) {
   lcp::Polyhedron C{.A = A, .rows = rows, .box = mcp.box()};
   if (const auto why = C.invalid()) refuse_input(*why);
-  return std::make_unique<LiftedVi>(mcp, C);
+  return std::make_unique<LiftedVi>(mcp, C, first);
 }
 
-Vec lifted_start(const Mcp& lifted, const SpMat& A, In x0) {
+Vec lifted_point(const Mcp& lifted, In x, In lambda) {
+  const lcp::Polyhedron& C = *lifted.polyhedron();
   Vec z = Vec::Zero(lifted.size());
-  z.head(x0.size()) = x0;
-  const Vec Ax = A * x0;
+  z.head(x.size()) = x;
+  z.segment(x.size(), lambda.size()) = lambda;
+  const Vec Ax = C.A * x;
   const SpMat& pattern = lifted.jacobian_pattern();
-  for (Index s = x0.size() + A.rows(); s < z.size(); ++s)  // its column has the one entry of its row
-    for (SpMat::InnerIterator it(pattern, s); it; ++it) z[s] = Ax[it.row() - x0.size()];
+  for (Index s = x.size() + C.A.rows(); s < z.size(); ++s)  // its column has the one entry of its row
+    for (SpMat::InnerIterator it(pattern, s); it; ++it) z[s] = Ax[it.row() - x.size()];
   return lcp::project(lifted.box(), z);
 }
 

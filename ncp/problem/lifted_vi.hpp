@@ -11,9 +11,10 @@
 
 namespace perp::ncp {
 
-/// F and [l, u] are the problem's, which outlives what is returned. Throws std::invalid_argument for malformed rows.
-std::unique_ptr<Mcp> lifted(const Mcp& mcp, const SpMat& A, const Box& rows);
-/// The start (x0, 0, A x0).
-Vec lifted_start(const Mcp& lifted, const SpMat& A, In x0);
+/// F and [l, u] are the problem's, which outlives what is returned. Rows are called A[k] and their multipliers
+/// lambda[k], k from `first`. Throws std::invalid_argument for malformed rows.
+std::unique_ptr<Mcp> lifted(const Mcp& mcp, const SpMat& A, const Box& rows, int first = 1);
+/// z = (x, lambda, A x), in the box.
+Vec lifted_point(const Mcp& lifted, In x, In lambda);
 
 }  // namespace perp::ncp

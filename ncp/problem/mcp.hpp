@@ -17,6 +17,10 @@
 #include "lcp/box.hpp"
 #include "ncp/problem/differences.hpp"
 
+namespace perp::lcp {
+struct Polyhedron;  // lcp/vi/polyhedron.hpp
+}
+
 namespace perp::ncp {
 
 using lcp::at;
@@ -71,6 +75,10 @@ class Mcp {
   virtual const Enclosure* enclosure() const { return nullptr; }
   /// F written down (ncp/interval/expression.hpp), for .nl files. Nothing: the problem cannot.
   virtual std::optional<Expressions> expressions() const;
+
+  /// C, where the problem is that with multipliers of a variational inequality over C (ncp/problem/lifted_vi.hpp): the
+  /// first C.size() unknowns are x, the next ones lambda, and F_x at lambda = 0 is F(x). Null: it is none.
+  virtual const lcp::Polyhedron* polyhedron() const { return nullptr; }
 
   /// Tells who computes J.
   virtual JacobianWork jacobian_work() const { return {}; }

@@ -4,7 +4,9 @@
 #include <string>
 #include <utility>
 
+#include "lcp/judge/refutation.hpp"
 #include "ncp/problem/affine.hpp"
+#include "ncp/problem/lifted_vi.hpp"
 #include "ncp/problem/words.hpp"
 #include "ncp/settings/model_notes.hpp"
 
@@ -46,6 +48,41 @@ ncp::Observer first_solve_only(ncp::Observer observer) {
   return first;
 }
 
+/// Gives the result of the problem with multipliers, which there is none of where F is affine, the point and the
+/// verdict of the variational inequality.
+void judge_by_projection(const ncp::Mcp& mcp, const ncp::Vec& x0, const lcp::ViResult& vi, double tol,
+                         ncp::Result& result) {
+  const lcp::Polyhedron& C = *mcp.polyhedron();
+  const bool judged = vi.x.size() == C.size();
+  const bool has_multipliers = vi.multipliers.size() == C.A.rows();
+  result.x = judged ? ncp::lifted_point(mcp, vi.x, has_multipliers ? vi.multipliers : ncp::Vec::Zero(C.A.rows()))
+                    : lcp::project(mcp.box(), x0);
+  result.F = ncp::Vec::Zero(mcp.size());
+  mcp.eval(result.x, result.F);
+  result.residual = ncp::residual(mcp.box(), result.x, result.F);
+  if (judged) {
+    result.residual.natural = vi.residual;
+    result.residual.worst = vi.worst;
+  }
+  result.stats.iterations = static_cast<int>(vi.iterations);
+  if (result.status == vi.status && !result.accepted()) return;
+  result.status = vi.status;
+  result.message = vi.message;
+  if (result.accepted()) result.advice.clear();
+  if (vi.status != ncp::Status::Infeasible) return;
+  const auto affine = ncp::affine_part(mcp);
+  ncp::SpMat identity(C.size(), C.size());
+  identity.setIdentity();
+  const lcp::AffineMcp known = affine ? *affine : lcp::lifted({identity, ncp::Vec::Zero(C.size()), C});
+  lcp::Refutation proof = lcp::refutation_by(known, vi.certificate);
+  if (proof.tolerance >= tol)
+    result.proof = {.residual_bound = proof.tolerance,
+                    .certificate = std::make_shared<const lcp::Refutation>(std::move(proof)),
+                    .multipliers = vi.certificate};
+  else
+    result.status = ncp::Status::Stalled;
+}
+
 }  // namespace
 
 Outcome Session::run() const {
@@ -66,7 +103,11 @@ Outcome Session::run() const {
                                      settings.method_name);
     result = outcome.several->found.empty() ? outcome.several->first : outcome.several->found.front().result;
   } else {
-    result = ncp::solve(mcp, x0, method, shown, settings.basis);
+    const auto solve = [&] { return result = ncp::solve(mcp, x0, method, shown, settings.basis); };
+    if (mcp.polyhedron() == nullptr)
+      solve();
+    else
+      judge_by_projection(mcp, x0, *(outcome.vi = ncp::solve_vi(mcp, solve, ncp::vi_limits(stop))), stop.tol, result);
   }
   if (model != nullptr) add_model_notes(mcp, *model, x0, method, result);
 

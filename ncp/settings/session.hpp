@@ -12,6 +12,7 @@
 #include "ncp/problem/mcp.hpp"
 #include "ncp/settings/settings.hpp"
 #include "ncp/strategy/deflation.hpp"
+#include "ncp/strategy/vi.hpp"
 
 namespace perp::settings {
 
@@ -20,7 +21,8 @@ inline constexpr int side_inequalities_refused = 505;
 
 /// The findings of a session.
 struct Outcome {
-  ncp::Result result{};  ///< of several solutions the first
+  ncp::Result result{};               ///< of several solutions the first
+  std::optional<lcp::ViResult> vi{};  ///< of a problem with a polyhedron(): the verdict, which `result` has too
   std::vector<ncp::Iteration> iterations{};
   std::optional<ncp::JacobianCheck> derivatives{};  ///< at the start, if asked for
   std::optional<ncp::AllSolutions> several{};       ///< where Settings::solutions asks for several

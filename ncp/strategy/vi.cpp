@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ncp/strategy/vi.hpp"
 
-#include "lcp/words.hpp"
+#include "ncp/problem/affine.hpp"
 #include "ncp/problem/lifted_vi.hpp"
 
 namespace perp::ncp {
@@ -10,27 +10,37 @@ namespace {
 /// Josephy's steps: two or three add all digits, or none.
 constexpr int josephy_steps = 5;
 
+/// The first rows and columns.
+SpMat leading(const SpMat& M, Index n) { return M.topLeftCorner(n, n); }
+
 class ProjectionJudge {
  public:
-  ProjectionJudge(const Mcp& mcp, const SpMat& A, const Box& rows, const lcp::Limits& limits)
-      : mcp_(mcp), limits_(limits), projector_({A, rows, mcp.box()}), J_(mcp.jacobian_pattern()) {}
+  ProjectionJudge(const Mcp& lifted, const lcp::Limits& limits)
+      : lifted_(lifted), limits_(limits), projector_(*lifted.polyhedron()), J_(lifted.jacobian_pattern()) {}
 
   lcp::ViResult operator()(In x, const lcp::Face& face) {
-    Vec F(mcp_.size());
+    const Index n = x.size();
+    Vec z = Vec::Zero(lifted_.size()), F(z.size());
+    z.head(n) = x;
     lcp::ViResult refused;
     refused.x = x;
-    if (!mcp_.eval(x, F) || !F.allFinite() || !mcp_.jacobian(x, J_)) {
+    if (!lifted_.eval(z, F) || !F.allFinite() || !lifted_.jacobian(z, J_)) {
       refused.status = Status::EvaluationFailed;
       refused.message = "F is not defined at the point reached";
       return refused;
     }
-    return lcp::judge_vi(projector_, x, F, 0, row_terms(J_, x, F).size, face, limits_);
+    const Vec F_x = F.head(n);
+    return lcp::judge_vi(projector_, x, F_x, 0, row_terms(leading(J_, n), x, F_x).size, face, limits_);
   }
   /// The affine VI at the point judged last.
-  lcp::AffineVi linearised(const lcp::ViResult& at) const { return {J_, at.F - J_ * at.x, projector_.polyhedron()}; }
+  lcp::AffineVi linearised(const lcp::ViResult& at) const {
+    SpMat J = leading(J_, at.x.size());
+    Vec q = at.F - J * at.x;
+    return {std::move(J), std::move(q), projector_.polyhedron()};
+  }
 
  private:
-  const Mcp& mcp_;
+  const Mcp& lifted_;
   const lcp::Limits& limits_;
   lcp::Projector projector_;
   SpMat J_;
@@ -38,17 +48,17 @@ class ProjectionJudge {
 
 }  // namespace
 
-lcp::ViResult solve_vi(const Mcp& mcp, const SpMat& A, const Box& rows, In x0, const LiftedSolve& solve,
-                       const lcp::Limits& limits) {
-  if (const lcp::AffineMcp* affine = mcp.affine())
-    return lcp::solve_vi({affine->M, affine->q, {A, rows, mcp.box()}}, {}, limits);
-  const std::unique_ptr<Mcp> problem = lifted(mcp, A, rows);
-  const Result found = solve(*problem, lifted_start(*problem, A, x0));
-  ProjectionJudge judge(mcp, A, rows, limits);
-  lcp::ViResult best = judge(found.x.head(mcp.size()), {});
+lcp::ViResult solve_vi(const Mcp& lifted, const std::function<Result()>& solve, const lcp::Limits& limits) {
+  const lcp::Polyhedron& C = *lifted.polyhedron();
+  const Index n = C.size();
+  if (const auto affine = affine_part(lifted))
+    return lcp::solve_vi({leading(affine->M, n), affine->q.head(n), C}, {}, limits);
+  const Result found = solve();
+  ProjectionJudge judge(lifted, limits);
+  lcp::ViResult best = judge(found.x.head(n), {});
   for (int step = 0; step < josephy_steps && !best.solved() && best.F.size() > 0; ++step) {
     const lcp::ViResult next = lcp::solve_vi(judge.linearised(best), {}, limits);
-    if (next.x.size() != mcp.size() || !next.x.allFinite()) break;
+    if (next.x.size() != n || !next.x.allFinite()) break;
     lcp::ViResult judged = judge(next.x, next.face);
     if (!(judged.residual < 0.5 * best.residual)) break;
     best = std::move(judged);
@@ -59,10 +69,9 @@ lcp::ViResult solve_vi(const Mcp& mcp, const SpMat& A, const Box& rows, In x0, c
   best.message = found.accepted() ? best.message + ", though the problem with multipliers is solved" : found.message;
   if (found.status == Status::Infeasible || limits.reached()) return best;
   // The projection of x says whether C is empty; a proof is the affine one.
-  const Index n = mcp.size();
   SpMat identity(n, n);
   identity.setIdentity();
-  const lcp::ViResult nearest = lcp::solve_vi({identity, Vec(-best.x), {A, rows, mcp.box()}}, {}, limits);
+  const lcp::ViResult nearest = lcp::solve_vi({identity, Vec(-best.x), C}, {}, limits);
   if (nearest.status != Status::Infeasible) return best;
   best.status = Status::Infeasible;
   best.message = nearest.message;
@@ -72,11 +81,23 @@ lcp::ViResult solve_vi(const Mcp& mcp, const SpMat& A, const Box& rows, In x0, c
 }
 
 lcp::ViResult solve_vi(const Mcp& mcp, const SpMat& A, const Box& rows, In x0, const Stop& stop) {
+  if (const lcp::AffineMcp* affine = mcp.affine())
+    return lcp::solve_vi({affine->M, affine->q, {A, rows, mcp.box()}}, {}, vi_limits(stop));
+  const Method method = automatic(stop);
+  const std::unique_ptr<Mcp> problem = lifted(mcp, A, rows);
+  return solve_vi(
+      *problem, [&] { return solve(*problem, lifted_point(*problem, x0, Vec::Zero(A.rows())), method); },
+      vi_limits(stop));
+}
+
+lcp::Limits vi_limits(const Stop& stop) {
   lcp::Limits limits{.tol = stop.tol, .deadline = lcp::deadline_after(stop.max_time)};
   if (stop.interrupt != nullptr) limits.interrupted = [flag = stop.interrupt] { return flag->load(); };
-  const Method method = automatic(stop);
-  return solve_vi(
-      mcp, A, rows, x0, [&](const Mcp& problem, const Vec& z0) { return solve(problem, z0, method); }, limits);
+  return limits;
+}
+
+lcp::ViResult judge_vi(const Mcp& lifted, In x, const lcp::Limits& limits) {
+  return ProjectionJudge(lifted, limits)(x, {});
 }
 
 }  // namespace perp::ncp

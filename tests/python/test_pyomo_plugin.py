@@ -387,6 +387,30 @@ def test_suffixes(solver):
 # What is said
 
 
+def test_a_polyhedron_by_its_suffix(solver):
+    """Facchinei & Pang 2003, proposition 1.2.1: F(x) = A'lambda, of rows of every kind. Would catch a suffix that is not
+    written or kept from the solve before, and multipliers of other rows or with other signs."""
+    m = pyo.ConcreteModel()
+    m.x = pyo.Var([1, 2, 3], initialize=1)
+    m.F = pyo.Constraint([1, 2, 3], rule=lambda m, i: m.x[i] + m.x[i] ** 3 == 2)  # x = 1 without C
+    m.free = pyo.Constraint(expr=m.x[1] <= 5)
+    m.C = pyo.ConstraintList()
+    for row in (between(0, m.x[1] - 1, 2), m.x[2] == 2, between(-1, m.x[3], 0), 2 * m.x[1] >= 4):
+        m.C.add(row)
+    m.polyhedron = pyo.Suffix(direction=pyo.Suffix.EXPORT)
+    m.dual = pyo.Suffix(direction=pyo.Suffix.IMPORT)
+    m.polyhedron[m.C] = 1
+    solved(m, solver)
+    assert [m.x[i].value for i in (1, 2, 3)] == pytest.approx([2, 2, 0], abs=1e-8)
+    assert [m.dual[m.C[k]] for k in (1, 2, 3, 4)] == pytest.approx([0, 8, -2, 4], abs=1e-8)
+    m.polyhedron[m.C[4]] = 0
+    m.C[4].deactivate()
+    solved(m, solver)
+    assert m.x[1].value == pytest.approx(1, abs=1e-8) and m.C[4] not in m.dual
+    m.polyhedron.deactivate()
+    assert "not square" in solver.solve(m, load_solutions=False).solver.message
+
+
 def test_where_the_start_is_undefined(solver, caplog):
     """The message speaks of the model's own condition and variable."""
     m = pyo.ConcreteModel()
@@ -582,7 +606,7 @@ def test_examples_of_the_page(monkeypatch, tmp_path):
     Executable("perp").rehash()
     page = Path(__file__).resolve().parents[2] / "docs" / "pyomo.md"
     blocks = re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
-    assert len(blocks) == 2
+    assert len(blocks) == 3
     scope = {}
     for block in blocks:
         exec(compile(block, "docs/pyomo.md", "exec"), scope)

@@ -8,7 +8,7 @@ import operator
 from itertools import groupby
 from typing import Any, Iterator
 
-from pyomo.core.base import Block, Constraint, Objective
+from pyomo.core.base import Block, Constraint, Objective, Suffix
 from pyomo.mpec import Complementarity
 
 from perp.pyomo._expression import Defined, Form, ModelError, Number, Slot, Text
@@ -52,16 +52,28 @@ class Contents:
         self.constraints = list(_unique(model.component_data_objects(Constraint, active=True)))
         self.conditions = list(_unique(model.component_data_objects(Complementarity, active=True)))
         self.objectives = list(_unique(model.component_data_objects(Objective, active=True)))
+        self.polyhedron = _polyhedron(model)
         self._expressions = [constraint.expr for constraint in self.constraints]
         for condition in self.conditions:
             self._expressions.extend(getattr(condition, "_args", ()))
 
     def same_as(self, other: Contents) -> bool:
         mine, theirs = self._objects(), other._objects()
-        return self.sizes == other.sizes and len(mine) == len(theirs) and all(map(operator.is_, mine, theirs))
+        return self.sizes == other.sizes and self.polyhedron == other.polyhedron and len(mine) == len(theirs) and all(map(operator.is_, mine, theirs))
 
     def _objects(self) -> list[Any]:
         return self.blocks + self.constraints + self.conditions + self.objectives + self._expressions
+
+
+def _polyhedron(model: Any) -> set[int]:
+    """The constraints with a suffix polyhedron that is not 0: rows of the polyhedron of a variational inequality."""
+    found = set()
+    for suffix in model.component_objects(Suffix, active=True):
+        if suffix.local_name == "polyhedron":
+            for component, number in suffix.items():
+                if number:
+                    found.update(map(id, component.values() if component.is_indexed() else [component]))
+    return found
 
 
 def _unique(items: Any) -> Any:
@@ -75,7 +87,7 @@ class CompiledModel:
     def __init__(self, contents: Contents) -> None:
         self.contents = contents
         _refuse_foreign_components(contents)
-        self._rows = Rows(contents.constraints, contents.conditions)
+        self._rows = Rows(contents.constraints, contents.conditions, contents.polyhedron)
         walker = self._rows.walker
         self.tape = walker.tape
         self.dropped = self._rows.dropped
@@ -132,6 +144,8 @@ class CompiledModel:
         self._places |= {id(d): f"v{len(self.columns) + k}\n" for k, d in enumerate(defined)}
         self._head, self._ranges, self._tail = Template(), Template(), Template()
         self._head.add(self._header(len(defined)))
+        if marked := [f"{k} 1\n" for k, row in enumerate(self.rows) if row.polyhedron]:
+            self._head.add(f"S1 {len(marked)} polyhedron\n", *marked)
         for k, d in enumerate(defined):
             self._head.add(f"V{len(self.columns) + k} {len(d.linear)} 0\n")
             self._write_linear(self._head, d.linear)
@@ -288,7 +302,7 @@ class CompiledModel:
 
     def count(self) -> int:
         """Equations and conditions; a model is square if these are as many as its variables."""
-        return sum(row.variable is not None or row.is_equation for row in self.rows)
+        return sum(row.variable is not None or (row.is_equation and not row.polyhedron) for row in self.rows)
 
     def warnings(self, F: list[float]) -> list[str]:
         """What the model says and its solution, with these values of F, does not do."""

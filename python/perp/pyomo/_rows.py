@@ -32,6 +32,7 @@ class Row:
     lower: Number | None = None
     upper: Number | None = None
     variable: int | None = None
+    polyhedron: bool = False  # of a variational inequality, by its suffix
     written_equal: bool = False  # the condition says F == 0, which does not hold at a bound
 
     @property
@@ -105,7 +106,7 @@ def _varies(item: Any) -> bool:
 class Rows:
     """The rows of a model, and what stands for its variables."""
 
-    def __init__(self, constraints: list[Any], conditions: list[Any]) -> None:
+    def __init__(self, constraints: list[Any], conditions: list[Any], polyhedron: set[int]) -> None:
         self.walker = Walker()
         self.rows: list[Row] = []
         self.constants: list[Row] = []  # constraints without a variable, which hold or not
@@ -113,6 +114,7 @@ class Rows:
         self.boxes: dict[int, tuple[Number | None, Number | None]] = {}  # what a condition adds to a variable's bounds
         self.watched: list[Any] = []  # variables whose infinite bounds decide what a condition says
         self._taken: set[int] = set()
+        self._polyhedron = polyhedron
         self._read(constraints, conditions)
 
     def _read(self, constraints: list[Any], conditions: list[Any]) -> None:
@@ -136,6 +138,7 @@ class Rows:
         row = Row(constraint.name, constraint, self.walker.walk(body), self._bound(lower), self._bound(upper))
         if constraint.equality:
             row.upper = row.lower
+        row.polyhedron = id(constraint) in self._polyhedron
         if row.lower is not None or row.upper is not None:
             (self.constants if is_number(row.form) else self.rows).append(row)
 

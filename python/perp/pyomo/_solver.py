@@ -15,7 +15,7 @@ import tempfile
 import time
 import weakref
 from contextlib import ExitStack, suppress
-from typing import Any, Callable, Mapping
+from typing import Any, Callable, Iterator, Mapping
 
 from pyomo.common import Executable
 from pyomo.common.collections import Bunch
@@ -319,7 +319,7 @@ def _results(model: Any, compiled: CompiledModel, answer: dict[str, Any], load_s
     point, F = ([_number(entry[key]) for entry in entries] for key in ("value", "F"))
     loads = load_solutions and all(map(math.isfinite, point))
     if loads:
-        _load(model, compiled, point, F)
+        _load(model, compiled, point, F, answer["variables"])
     elif not load_solutions:
         _keep(compiled, point, results)
     warnings = compiled.warnings(F)
@@ -341,7 +341,7 @@ def _number(written: Any) -> float:
     return math.nan if written is None else float(written)
 
 
-def _load(model: Any, compiled: CompiledModel, point: list[float], F: list[float]) -> None:
+def _load(model: Any, compiled: CompiledModel, point: list[float], F: list[float], entries: list[Any]) -> None:
     """Gives the variables their values, and the suffixes dual, slack and rc, where the model imports them, theirs."""
     StaleFlagManager.mark_all_as_stale()
     for variable, number in zip(compiled.columns, point):
@@ -368,8 +368,18 @@ def _load(model: Any, compiled: CompiledModel, point: list[float], F: list[float
         found["dual"].append((dropped.condition, value(dropped.variable)))
         found["slack"].append((dropped.condition, number))
         found["rc"].append((dropped.variable, number))
+    found["dual"].extend(_multipliers(compiled, entries))
     for name, suffix in suffixes.items():
         suffix.update(found[name])
+
+
+def _multipliers(compiled: CompiledModel, entries: list[Any]) -> Iterator[tuple[Any, float]]:
+    """Those of the rows of a polyhedron, which are the last variables: one of an equation, else one of each side."""
+    rows = [row for row in compiled.rows if row.polyhedron]
+    signs = [[1.0] if row.is_equation else [1.0] * (row.lower is not None) + [-1.0] * (row.upper is not None) for row in rows]
+    numbers = iter(_number(entry["value"]) for entry in entries[len(entries) - sum(map(len, signs)) :])
+    for row, of_row in zip(rows, signs):
+        yield row.component, sum(sign * next(numbers) for sign in of_row)
 
 
 def _keep(compiled: CompiledModel, point: list[float], results: Any) -> None:

@@ -122,6 +122,31 @@ TEST_F(Matrix, Infeasible) {
   EXPECT_THAT(result["message"].get<std::string>(), HasSubstr("proven to have no solution"));
 }
 
+// With --rows a variational inequality: over z_1 + z_2 <= 3 the multiplier is -1 and z = (1, 2) (docs/vi.md). Catches
+// bounds of rows that go to variables, and a point judged by its multipliers.
+TEST_F(Matrix, VariationalInequality) {
+  test::write(folder / "A.mtx", "%%MatrixMarket matrix array real general\n1 2\n1\n1\n");
+  SolveRequest what = request();
+  what.rows = folder / "A.mtx";
+  what.row_upper = "3";
+  const Json result = solved(what);
+  EXPECT_NEAR(result["variables"][0]["value"].get<double>(), 1, 1e-12);
+  EXPECT_NEAR(result["variables"][1]["value"].get<double>(), 2, 1e-12);
+  EXPECT_EQ(result["variables"][2]["name"], "lambda[1]");
+  EXPECT_NEAR(result["variables"][2]["value"].get<double>(), -1, 1e-12);
+  what.row_upper = "-1";
+  test::Captured captured;
+  EXPECT_EQ(solve(what, captured.streams), exit_unsolved);
+  EXPECT_EQ(parse_json(test::read(folder / "out.json"))["status"], "Infeasible");
+  what.row_upper = folder / "q.mtx";
+  EXPECT_THAT(refused(what), AllOf(HasSubstr("--row-upper"), HasSubstr("2 numbers for 1 rows")));
+  what.rows = folder / "q.mtx";
+  EXPECT_THAT(refused(what), AllOf(HasSubstr("--rows"), HasSubstr("2 x 1")));
+  what.rows.clear();
+  EXPECT_THAT(refused(what), HasSubstr("--rows A.mtx"));
+  EXPECT_THAT(refused({.problem = "kojshin", .rows = "A.mtx"}), HasSubstr("--rows"));
+}
+
 // The bimatrix game of Cottle, Pang & Stone 1992, example 4.4.23: three equilibria.
 TEST_F(Matrix, EnumerationShowsAllSolutions) {
   test::write(
