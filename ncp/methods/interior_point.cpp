@@ -93,7 +93,8 @@ bool InteriorRun::start() {
 }
 
 /// Moves the point inside by up to 1 and gives it multipliers w >= F, where that makes the row feasible, and products
-/// of tau or more.
+/// of tau or more; at least of the mean times the root of the neighbourhood's width, halfway from its border to the
+/// centre: steps would be tiny until those on the border have grown.
 bool InteriorRun::open_here(double tau) {
   const Vec from = point_.x;
   Iterate& at = path_.x;
@@ -109,6 +110,8 @@ bool InteriorRun::open_here(double tau) {
       const auto& b = path_.bounds()[static_cast<std::size_t>(p)];
       at.w[p] = std::max(b.sign * point_.F[b.i], tau / std::max(1.0, at.s[p]));
     }
+    const double least = std::sqrt(method_.neighbourhood) * path_.gap(at);
+    at.w = at.w.cwiseMax(least * at.s.cwiseInverse());
     return true;
   }
   return false;
