@@ -19,6 +19,43 @@ struct NamedMethod {
   ncp::Method method;
 };
 
+using Variants = std::vector<NamedMethod>;
+
+/// With both C-functions and the linear algebra of each library.
+inline Variants semismooth_variants() {
+  return {{"Fischer-Burmeister", ncp::SemismoothNewton{}},
+          {"min, escapes", ncp::escaping(ncp::SemismoothNewton{.cfunction = ncp::natural_min()})},
+          {"Fischer-Burmeister, KLU", ncp::SemismoothNewton{.lu = lcp::LuBackend::Klu}},
+          {"monotone search, escapes", ncp::escaping(ncp::SemismoothNewton{.search = {.memory = 1}})}};
+}
+
+inline Variants josephy_variants() {
+  return {{"josephy, regular start", ncp::NewtonJosephy{}},
+          {"josephy, ray start", ncp::NewtonJosephy{.lemke = {.start = lcp::LemkeStart::Ray}}},
+          {"josephy, KLU", ncp::NewtonJosephy{.lemke = {.basis = {.lu = lcp::LuBackend::Klu}}}},
+          {"josephy, monotone search, escapes", ncp::escaping(ncp::NewtonJosephy{.search = {.memory = 1}})}};
+}
+
+inline Variants path_variants() {
+  return {{"path", ncp::path()},
+          {"path, no crash", ncp::path({.crash = {.on = false}})},
+          {"path, line", ncp::path({.search = ncp::Searchtype::Line})},
+          {"path, arc", ncp::path({.search = ncp::Searchtype::Arc})},
+          {"path, normal map", ncp::path({.merit = ncp::PathMerit::NormalMap})},
+          {"path, monotone", ncp::path({.nms = {.on = false}})},
+          {"path, rays", ncp::path({.start = ncp::PathStart::Always})}};
+}
+
+inline Variants smoothing_variants(bool finish = true) {
+  Variants all;
+  for (const ncp::SmoothingFunction& function : ncp::smoothing_functions())
+    for (const auto schedule : {ncp::SmoothingSchedule::NewtonArmijo, ncp::SmoothingSchedule::PredictorCorrector})
+      all.push_back({function.name + (schedule == ncp::SmoothingSchedule::NewtonArmijo ? "" : ", predictor-corrector") +
+                         (finish ? "" : ", no finish"),
+                     ncp::Smoothing{.function = function, .schedule = schedule, .finish = finish}});
+  return all;
+}
+
 inline std::vector<NamedMethod> methods(const ncp::Stop& stop = {}, const ncp::Escape& escape = {}) {
   const auto escaping = [&](const ncp::Method& method) { return ncp::escaping(method, escape); };
   return {{"semismooth, Fischer-Burmeister", escaping(ncp::SemismoothNewton{.stop = stop})},

@@ -38,20 +38,6 @@ TEST(InteriorPoint, KojimaShindoAndJosephy) {
   }
 }
 
-// Every kind of interval, solutions at lower, upper and no bounds, the same with F_i = 0 at most of them. Catches a
-// wrong sign of v, fixed variables that move, free ones that are given a barrier.
-TEST(InteriorPoint, FindsPlantedSolutionsInMixedBoxes) {
-  Random random(11);
-  for (int k = 0; k < 60; ++k) {
-    const double degenerate = k % 3 == 0 ? 0.8 : 0;
-    const auto [functions, solution] = support::planted(1 + k, degenerate, random);
-    const auto mcp = make_mcp(functions);
-    for (const bool finish : {true, false})
-      expect_solution(*mcp, 3 * random.normals(1 + k), InteriorPoint{.finish = finish}, solution,
-                      degenerate > 0 ? 1e-3 : 1e-6, finish ? "" : "no finish");
-  }
-}
-
 // F is a gradient of a convex function, so the problem is monotone, and the interval of x_1 has a solution set of its
 // own: 0 <= x_1 <= 1 with F_1 = 0. Catches steps that vanish where the solution is not unique.
 TEST(InteriorPoint, SolutionsThatAreNotIsolated) {
@@ -67,16 +53,6 @@ TEST(InteriorPoint, SolutionsThatAreNotIsolated) {
       }));
   const Result result = expect_solved(*mcp, vec({7, 7}), InteriorPoint{});
   EXPECT_NEAR(result.x[1], 0.5, 1e-8);
-}
-
-// x_3 = 10 at its upper bound (Hock & Schittkowski 1981, problem 34); F and J undefined at and below 0 (Harker 1988),
-// where the iterates never are: a run that leaves the box, or begins on it, would end as EvaluationFailed.
-TEST(InteriorPoint, Hs34AndNash10) {
-  expect_solution(*make_mcp(support::hs34()), vec({0, 1.05, 2.9, 0, 0}), InteriorPoint{}, support::hs34_solution(),
-                  1e-6);
-  for (const double x0 : {1.0, 10.0, 100.0})
-    expect_solution(*make_mcp(support::nash10()), Vec::Constant(10, x0), InteriorPoint{}, support::nash10_solution(),
-                    1e-6);
 }
 
 // log x - 1 = 0 from 1e-3 in (0, inf) declared as free: Newton's first step leads to negative x, where F is NaN.

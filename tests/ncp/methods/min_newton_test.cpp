@@ -127,26 +127,6 @@ TEST(LeastSquaresStep, MeetsTheOptimalityConditions) {
   }
 }
 
-// P-functions in boxes with every kind of interval, the planted solution the only one, at lower, upper and no bounds.
-// Catches wrong rows of H at upper bounds, fixed variables that move, free ones that do not.
-TEST(MinNewton, FindsPlantedSolutionsInMixedBoxes) {
-  Random random(2);
-  for (int k = 0; k < 30; ++k) {
-    const double degenerate = k % 3 == 0 ? 0.8 : 0;
-    const auto [functions, solution] = support::planted(1 + k, degenerate, random);
-    const auto mcp = make_mcp(functions);
-    for (const auto& [label, method] : both())
-      expect_solution(*mcp, 3 * random.normals(1 + k), method, solution, degenerate > 0 ? 1e-3 : 1e-6, label);
-  }
-}
-
-// x_3 = 10 at its upper bound, F_3 < 0 there (Hock & Schittkowski 1981, problem 34).
-TEST(MinNewton, ActiveUpperBoundOfHs34) {
-  const auto mcp = make_mcp(support::hs34());
-  for (const auto& [label, method] : both())
-    expect_solution(*mcp, vec({0, 1.05, 2.9, 0, 0}), method, support::hs34_solution(), 1e-6, label);
-}
-
 // Where all H at the solution are nonsingular both are Newton's method: order near 2 in the last records. Catches a
 // subproblem solved loosely, and a search that does not accept t = 1.
 TEST(MinNewton, ConvergesQuadratically) {

@@ -23,15 +23,6 @@ using support::Random;
 using support::vec;
 using testing::HasSubstr;
 
-std::vector<support::NamedMethod> smoothing_variants(bool finish = true) {
-  std::vector<support::NamedMethod> all;
-  for (const SmoothingFunction& function : smoothing_functions())
-    for (const auto schedule : {SmoothingSchedule::NewtonArmijo, SmoothingSchedule::PredictorCorrector})
-      all.push_back({function.name + (schedule == SmoothingSchedule::NewtonArmijo ? "" : ", predictor-corrector"),
-                     Smoothing{.function = function, .schedule = schedule, .finish = finish}});
-  return all;
-}
-
 bool has_kind(const std::vector<Iteration>& records, char kind) {
   return std::any_of(records.begin(), records.end(), [kind](const Iteration& it) { return it.kind == kind; });
 }
@@ -45,54 +36,8 @@ TEST(Smoothing, KojimaShindoAndJosephy) {
       const Result result = expect_solved(*mcp, x0, Smoothing{}, "smooth");
       EXPECT_TRUE(support::is_kojima_shindo_solution(result.x, josephy, 1e-4)) << result.x.transpose();
     }
-    for (const auto& [label, method] : smoothing_variants())
+    for (const auto& [label, method] : support::smoothing_variants())
       expect_solved(*mcp, support::kojima_shindo_starts()[0], method, label);
-  }
-}
-
-// Every kind of interval, solutions at lower, upper and no bounds, the same with F_i = 0 at most of them. Catches a
-// wrong sign for upper bounds in Phi_mu or in the active set, fixed variables that move, free ones that do not.
-TEST(Smoothing, FindsPlantedSolutionsInMixedBoxes) {
-  Random random(1);
-  for (int k = 0; k < 20; ++k) {
-    const double degenerate = k % 3 == 0 ? 0.8 : 0;
-    const auto [functions, solution] = support::planted(1 + k, degenerate, random);
-    const auto mcp = make_mcp(functions);
-    for (const bool finish : {true, false})
-      for (const auto& [label, method] : smoothing_variants(finish))
-        expect_solution(*mcp, 3 * random.normals(1 + k), method, solution, degenerate > 0 ? 1e-3 : 1e-6,
-                        label + (finish ? "" : ", no finish"));
-  }
-}
-
-// x_3 = 10 at its upper bound (Hock & Schittkowski 1981, problem 34); F undefined below 0 (Harker 1988).
-TEST(Smoothing, Hs34AndNash10) {
-  const auto hs34 = make_mcp(support::hs34());
-  const auto nash = make_mcp(support::nash10());
-  for (const auto& [label, method] : smoothing_variants()) {
-    expect_solution(*hs34, vec({0, 1.05, 2.9, 0, 0}), method, support::hs34_solution(), 1e-6, label);
-    for (const double x0 : {1.0, 10.0, 100.0})
-      expect_solution(*nash, Vec::Constant(10, x0), method, support::nash10_solution(), 1e-6, label);
-  }
-}
-
-// Quadratic convergence near strictly complementary solutions (Chen & Mangasarian 1996, theorem 4.2, for their schedule
-// with the active set; Chen & Xiu 1999): log r_{k+1} / log r_k is near 2. Catches an active-set system without J_IA
-// d_A, and a Jacobian of Phi_mu that is a little wrong.
-TEST(Smoothing, ConvergesQuadratically) {
-  Random random(2);
-  for (const auto& [label, method] : smoothing_variants()) {
-    int measured = 0;
-    for (int k = 0; k < 12; ++k) {
-      const auto [functions, solution] = support::planted(20, 0, random);
-      std::vector<Iteration> records;
-      expect_solved(*make_mcp(functions), solution + 0.3 * random.normals(20), method, label, record(records));
-      const double order = support::last_order(records, 1e-1);
-      if (order == 0) continue;
-      ++measured;
-      EXPECT_GT(order, 1.5) << label;
-    }
-    EXPECT_GE(measured, 3) << label;
   }
 }
 
@@ -145,24 +90,11 @@ TEST(Smoothing, MuFollowsTheResidual) {
   EXPECT_GE(finished, 8);
 }
 
-// log x = 0 and sqrt x = 1/2 over x >= 0: Newton's step from far leads below 0. Catches a step taken, or given up,
-// where F is not defined.
-TEST(Smoothing, ShortensStepsThatLeaveTheDomain) {
-  const auto log = make_mcp(support::scalar(
-      0, infinity, [](double x) { return std::log(x); }, [](double x) { return 1 / x; }));
-  const auto root = make_mcp(support::scalar(
-      0, infinity, [](double x) { return std::sqrt(x) - 0.5; }, [](double x) { return 0.5 / std::sqrt(x); }));
-  for (const auto& [label, method] : smoothing_variants()) {
-    expect_solution(*log, vec({20}), method, vec({1}), 1e-6, label);
-    expect_solution(*root, vec({20}), method, vec({0.25}), 1e-6, label);
-  }
-}
-
 // F is defined at the start alone.
 TEST(Smoothing, SaysWhereNothingIsDefined) {
   const auto mcp = make_mcp(support::scalar(
       0, infinity, [](double x) { return x == 2 ? 1.0 : NAN; }, [](double) { return 1.0; }));
-  for (const auto& [label, method] : smoothing_variants()) {
+  for (const auto& [label, method] : support::smoothing_variants()) {
     const Result result = solve(*mcp, vec({2}), method);
     EXPECT_EQ(result.status, Status::EvaluationFailed) << label << ": " << result;
   }
@@ -172,7 +104,7 @@ TEST(Smoothing, SaysWhereNothingIsDefined) {
 TEST(Smoothing, TakesLevenbergMarquardtStepsWhereHIsSingular) {
   const SpMat M = support::matrix({{1, 1}, {1, 1}});
   const auto mcp = make_mcp(support::affine({.M = M, .q = vec({-2, -2}), .box = Box::free(2)}));
-  for (const auto& [label, method] : smoothing_variants()) {
+  for (const auto& [label, method] : support::smoothing_variants()) {
     std::vector<Iteration> records;
     const Result result = expect_solved(*mcp, vec({10, -30}), method, label, record(records));
     EXPECT_NEAR(result.x.sum(), 2, 1e-8) << label;
@@ -187,7 +119,7 @@ TEST(Smoothing, TakesLevenbergMarquardtStepsWhereHIsSingular) {
 TEST(Smoothing, SaysThatItIsStuck) {
   const auto mcp = make_mcp(support::scalar(
       -infinity, infinity, [](double x) { return x * x + 1; }, [](double x) { return 2 * x; }));
-  for (const auto& [label, method] : smoothing_variants()) {
+  for (const auto& [label, method] : support::smoothing_variants()) {
     const Result result = solve(*mcp, vec({0.3}), method);
     EXPECT_TRUE(result.status == Status::StationaryPoint || result.status == Status::NoProgress) << label << result;
     EXPECT_THAT(result.message, HasSubstr("mu was raised 6 times")) << label;
@@ -242,7 +174,7 @@ TEST(Smoothing, RaisesMuWhereItIsStuck) {
 TEST(Smoothing, KeepsLimits) {
   const auto mcp = make_mcp(support::hs34());
   const Vec x0 = vec({0, 1.05, 2.9, 0, 0});
-  for (const auto& [label, base] : smoothing_variants()) {
+  for (const auto& [label, base] : support::smoothing_variants()) {
     auto method = std::get<Smoothing>(base);
     method.stop.max_iterations = 1;
     EXPECT_EQ(solve(*mcp, x0, method).status, Status::IterationLimit) << label;
@@ -267,16 +199,6 @@ TEST(Smoothing, RefusesOptionsWithoutSense) {
   EXPECT_THAT(why([](Smoothing& m) { m.patience = 0; }), HasSubstr("patience is 0"));
   EXPECT_THAT(why([](Smoothing& m) { m.function.at = nullptr; }), HasSubstr("function"));
   EXPECT_THAT(why([](Smoothing& m) { m.stop.tol = -1; }), HasSubstr("convergence_tolerance is -1"));
-}
-
-TEST(Smoothing, NoVariablesAndOne) {
-  const auto none = make_mcp(support::affine({.M = SpMat(0, 0), .q = Vec(0), .box = Box::free(0)}));
-  const auto one = make_mcp(support::scalar(
-      -1, 2, [](double x) { return x - 5; }, [](double) { return 1; }));
-  for (const auto& [label, method] : smoothing_variants()) {
-    EXPECT_EQ(expect_solved(*none, Vec(0), method, label).stats.iterations, 0);
-    expect_solution(*one, vec({-7}), method, vec({2}), 1e-8, label);
-  }
 }
 
 // 3600 unknowns; one dense matrix of them would take 100 MB. Semismooth Newton comes to the same point.

@@ -20,16 +20,6 @@ using support::vec;
 
 PathSearch without_crash() { return {.crash = {.on = false}}; }
 
-std::vector<NamedMethod> path_variants() {
-  return {{"path", path()},
-          {"no crash", path(without_crash())},
-          {"line", path({.search = Searchtype::Line})},
-          {"arc", path({.search = Searchtype::Arc})},
-          {"normal map", path({.merit = PathMerit::NormalMap})},
-          {"monotone", path({.nms = {.on = false}})},
-          {"rays", path({.start = PathStart::Always})}};
-}
-
 /// The starts (0, ...), (1, ...), (10, ...), (100, ...) with what PATH 4.7 takes of major iterations from each.
 struct Measured {
   double start;
@@ -53,18 +43,6 @@ TEST(PathSearch, TakesNoMoreMajorIterationsThanPath) {
   expect_majors(false, {{0, 6}, {1, 4}, {10, 6}, {100, 13}});
 }
 
-// Catches a method that fails on the smallest classics: linearised problems without a solution, a degenerate solution.
-TEST(PathSearch, KojimaShindoAndJosephyFromEightStarts) {
-  for (const bool josephy : {false, true}) {
-    const auto mcp = make_mcp(support::kojima_shindo(josephy));
-    for (const auto& [label, method] : path_variants())
-      for (const Vec& x0 : support::kojima_shindo_starts()) {
-        const Result result = expect_solved(*mcp, x0, method, label);
-        EXPECT_TRUE(support::is_kojima_shindo_solution(result.x, josephy, 1e-4)) << label << result.x.transpose();
-      }
-  }
-}
-
 // Order 2 near strongly regular solutions without chord steps, 3 with one (Robinson 1994; Shamanskii 1967). Near them
 // no variable is left to pivot on but a few. Catches a linearisation that is a little wrong, a proximal term that
 // stays, unchecked steps that lead away, chord steps with the matrix of another point.
@@ -86,19 +64,6 @@ TEST(PathSearch, ConvergesQuadraticallyAndFasterWithChordSteps) {
     }
     EXPECT_GE(measured, 3) << chord_steps;
     EXPECT_GT(mean, 1.7 + 0.5 * chord_steps) << chord_steps;
-  }
-}
-
-// As in tests/ncp/methods/semismooth_newton_test.cpp.
-TEST(PathSearch, FindsPlantedSolutionsInMixedBoxes) {
-  Random random(1);
-  for (int k = 0; k < 40; ++k) {
-    const double degenerate = k % 3 == 0 ? 0.8 : 0;
-    const auto [functions, solution] = support::planted(1 + k % 30, degenerate, random);
-    const auto mcp = make_mcp(functions);
-    const Vec x0 = 3 * random.normals(1 + k % 30);
-    for (const auto& [label, method] : path_variants())
-      expect_solution(*mcp, x0, method, solution, degenerate > 0 ? 1e-3 : 1e-6, label);
   }
 }
 
@@ -165,7 +130,7 @@ TEST(PathSearch, SolvesAffineProblemsInOneIteration) {
         make_mcp(support::affine({.M = k % 2 == 0 ? support::p_matrix(n, 2, random) : support::h_plus(n, 3, random),
                                   .q = 5 * random.normals(n),
                                   .box = support::mixed_box(n, random)}));
-    for (const auto& [label, method] : path_variants()) {
+    for (const auto& [label, method] : support::path_variants()) {
       const Result result = expect_solved(*mcp, random.normals(n), method, label);
       EXPECT_LE(result.stats.iterations, 1) << label << ", n = " << n;
     }
@@ -221,54 +186,11 @@ TEST(PathSearch, NonMonotoneStabilisationLetsMeritsRise) {
   EXPECT_GT(rises, 0);
 }
 
-// x_3 = 10 at its upper bound (Hock & Schittkowski 1981, problem 34).
-TEST(PathSearch, ActiveUpperBoundOfHs34) {
-  const auto mcp = make_mcp(support::hs34());
-  for (const auto& [label, method] : path_variants())
-    expect_solution(*mcp, vec({0, 1.05, 2.9, 0, 0}), method, support::hs34_solution(), 1e-6, label);
-}
-
-// F' is infinite at the bounds, where linearised problems put variables, and PATH 4.7 fails from 100 (Harker 1988).
-TEST(PathSearch, Nash10) {
-  const auto mcp = make_mcp(support::nash10());
-  for (const auto& [label, method] : path_variants())
-    for (const double x0 : {1.0, 10.0, 100.0})
-      expect_solution(*mcp, Vec::Constant(10, x0), method, support::nash10_solution(), 1e-6, label);
-}
-
 // Near 0 every merit function has a local minimum that is no solution; PATH 4.7 fails (Billups 1995).
 TEST(PathSearch, BillupsFromZero) {
   const auto mcp = make_mcp(support::billups());
-  for (const auto& [label, method] : path_variants())
+  for (const auto& [label, method] : support::path_variants())
     expect_solution(*mcp, vec({0}), method, vec({1 + std::sqrt(1.01)}), 1e-7, label);
-}
-
-TEST(PathSearch, NoVariablesAndOne) {
-  const auto none = make_mcp(support::affine({.M = SpMat(0, 0), .q = Vec(0), .box = Box::free(0)}));
-  const auto one = make_mcp(support::scalar(
-      -1, 2, [](double x) { return x - 5; }, [](double) { return 1; }));
-  const auto fixed = make_mcp(support::scalar(
-      3, 3, [](double x) { return std::log(x) - 5; }, [](double x) { return 1 / x; }));
-  for (const auto& [label, method] : path_variants()) {
-    EXPECT_EQ(expect_solved(*none, Vec(0), method, label).stats.iterations, 0);
-    expect_solution(*one, vec({-7}), method, vec({2}), 0, label);
-    expect_solution(*fixed, vec({1}), method, vec({3}), 0, label);
-  }
-}
-
-// The iterates are points of the box: F may be undefined outside. Catches F asked for at points of the normal map.
-TEST(PathSearch, StaysInTheBox) {
-  Random random(5);
-  for (int k = 0; k < 10; ++k) {
-    auto [functions, solution] = support::planted(15, 0.3, random);
-    functions.F = [F = functions.F, box = functions.box](In x, Out out) {
-      EXPECT_EQ(Vec(x), lcp::project(box, x));
-      return F(x, out);
-    };
-    const auto mcp = make_mcp(functions);
-    const Vec x0 = 5 * random.normals(15);
-    for (const auto& [label, method] : path_variants()) expect_solution(*mcp, x0, method, solution, 1e-3, label);
-  }
 }
 
 // 10^4 unknowns; one dense matrix of them would take 800 MB, so would the kinks of a path that are all kept.
