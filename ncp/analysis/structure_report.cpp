@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "lcp/linalg/blocks.hpp"
+#include "lcp/linalg/plainly_regular.hpp"
 #include "lcp/linalg/quasi_definite.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 #include "lcp/words.hpp"
@@ -118,6 +119,7 @@ class Shifted {
  public:
   /// Nothing if B is regular, or if it cannot be factored.
   static std::optional<Shifted> if_singular(const SpMat& B, double least_rcond = singular) {
+    if (least_rcond <= singular && lcp::plainly_regular(B)) return std::nullopt;
     std::optional<Shifted> shifted(std::in_place);
     bool regular = false;
     if (shifted->factor_symmetric(B, regular) || (!regular && shifted->factor_by_lu(B, least_rcond))) return shifted;
