@@ -32,8 +32,9 @@ LIBRARIES = {
     "libmpfr.a": "MPFR",
 }
 #: What else is compiled in.
-OTHERS = ["SuiteSparse-BTF", "SuiteSparse-COLAMD", "libeigen3-dev", "libcli11-dev", "nlohmann-json3-dev", "libcxx", "zig"]
-LICENCES = [*LIBRARIES.values(), *OTHERS]
+OTHERS = ["SuiteSparse-BTF", "SuiteSparse-COLAMD", "libeigen3-dev", "libcli11-dev", "nlohmann-json3-dev"]
+OTHERS += ["libcxx", "libcxxabi", "libunwind", "zig"]
+C_LIBRARIES = {"Linux": ["glibc"], "Windows": ["mingw"], "Darwin": [], "WASI": ["musl", "wasi"]}
 
 #: Of all systems; {...} are names that each system writes in its own way.
 WHEEL = [
@@ -48,7 +49,6 @@ WHEEL = [
     r"perp-[0-9.]+\.dist-info/licenses/LICENSE",
     r"perp-[0-9.]+\.dist-info/licenses/NOTICE",
     r"perp-[0-9.]+\.dist-info/licenses/libraries/libraries",
-    *(rf"perp-[0-9.]+\.dist-info/licenses/libraries/{re.escape(name)}/[^/]+" for name in LICENCES),
 ]
 ARCHIVE = [
     "LICENSE",
@@ -62,7 +62,6 @@ ARCHIVE = [
     r"share/perp/examples/energy\.nl",
     r"share/perp/schema/solve\.json",
     "share/perp/licences/libraries",
-    *(rf"share/perp/licences/{re.escape(name)}/[^/]+" for name in LICENCES),
 ]
 NAMES = {
     "Linux": {"{exe}": "", "{perp}": r"libperp\.so", "{perp_path}": r"libperp_path\.so"},
@@ -85,19 +84,25 @@ ARCHIVE_TOO = {
 }
 
 
-def of_system(patterns, system):
-    """The patterns, with the names as the system writes them."""
+def licences(system):
+    """The folders of the licences of what is in a product for the system."""
+    return [*LIBRARIES.values(), *OTHERS, *C_LIBRARIES[system]]
+
+
+def of_system(patterns, folder, system):
+    """The patterns, with the names as the system writes them, and the licences in their folder."""
+    patterns = [*patterns, *(f"{folder}/{re.escape(name)}/[^/]+" for name in licences(system))]
     for word, name in NAMES[system].items():
         patterns = [pattern.replace(word, name) for pattern in patterns]
     return patterns
 
 
 def wheel(system):
-    return of_system(WHEEL, system) + WHEEL_TOO[system]
+    return of_system(WHEEL, r"perp-[0-9.]+\.dist-info/licenses/libraries", system) + WHEEL_TOO[system]
 
 
 def archive(system):
-    return of_system(ARCHIVE, system) + ARCHIVE_TOO[system]
+    return of_system(ARCHIVE, "share/perp/licences", system) + ARCHIVE_TOO[system]
 
 
 def missing(patterns, names):
@@ -114,7 +119,7 @@ def libraries_of(binary, system):
     if system == "Windows":
         return re.findall(r"DLL Name: (.*)", output("objdump", "-p", binary))
     if system == "Darwin":
-        return re.findall(r"cmd LC_LOAD_DYLIB\n.*\n *name (\S+)", output("llvm-objdump", "--macho", "--private-headers", binary))
+        return re.findall(r"cmd LC_LOAD_DYLIB\n.*\n *name (\S+)", output("llvm-objdump-14", "--macho", "--private-headers", binary))
     return re.findall(r"\(NEEDED\).*\[(.*)\]", output("readelf", "-W", "-d", binary))
 
 

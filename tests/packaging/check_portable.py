@@ -100,7 +100,7 @@ class Portable(unittest.TestCase):
     def test_sources(self):
         """None is under the GPL alone, as UMFPACK and GSL are."""
         lines = re.findall(
-            r"^(?:source|headers|tools) +\S+ +(.*?)  ", (ROOT / "packaging/portable/libraries").read_text(), flags=re.M
+            r"^(?:source|headers|tools|zig|linux|windows|web) +\S+ +(.*?)  ", (ROOT / "packaging/portable/libraries").read_text(), flags=re.M
         )
         self.assertGreaterEqual(len(lines), 10)
         for licence in lines:
