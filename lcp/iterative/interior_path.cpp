@@ -11,6 +11,8 @@ namespace {
 constexpr double poor = 1e-5;
 /// The diagonal entry of a fixed variable: leaves nothing of its change.
 constexpr double of_fixed = 1e20;
+/// A quadratic program's delta beside a linear one's: multipliers of 1e6 (LISWET9) move by residuals over delta.
+constexpr double of_quadratic = 1e-3;
 
 }  // namespace
 
@@ -31,16 +33,16 @@ InteriorPath::InteriorPath(const SpMat& J, const Box& box, bool affine, double t
   if (affine) find_groups();
 }
 
-/// Linear programs: M_ij = 0 within {i: group 0} and within {i: group 1}. Then s of the one and w of the other group
-/// are the primal variables.
+/// Programs: M is skew between {i: group 0} and {i: group 1}, symmetric within; linear ones have M_ij = 0 there. s of
+/// the one and w of the other group are the primal variables.
 void InteriorPath::find_groups() {
   const Vec* rows = system_.rows();
   if (!rows) return;
-  for (Index j = 0; j < size(); ++j)
-    for (SpMat::InnerIterator it(J_, j); it; ++it)
-      if (it.value() != 0 && ((*rows)[it.row()] > 0) == ((*rows)[j] > 0)) return;
-  linear_ = true;
+  program_ = linear_ = true;
   for (Index i = 0; i < size(); ++i) group_[at(i)] = (*rows)[i] > 0 ? 0 : 1;
+  for (Index j = 0; j < size() && linear_; ++j)
+    for (SpMat::InnerIterator it(J_, j); it && linear_; ++it) linear_ = it.value() == 0 || group(it.row()) != group(j);
+  if (!linear_) delta_ *= of_quadratic;
 }
 
 Vec InteriorPath::nearest(const Vec& z, const Vec& F) {
@@ -55,7 +57,7 @@ Vec InteriorPath::nearest(const Vec& z, const Vec& F) {
     const Vec rhs = Vec::NullaryExpr(size(), [&](Index i) { return linear_ && group(i) == g ? 0 : -F[i]; });
     (void)system_.solve(rhs, part);
     for (Index i = 0; i < size(); ++i)
-      if (group(i) == g && !box_.is_fixed(i)) to[i] += part[i];
+      if ((!linear_ || group(i) == g) && !box_.is_fixed(i)) to[i] += part[i];
   }
   return to;
 }
@@ -235,7 +237,7 @@ InteriorPath::Lengths InteriorPath::reach(const Iterate& d) const {
     if (d.s[p] < 0) of_s = std::min(of_s, -x.s[p] / d.s[p]);
     if (d.w[p] < 0) of_w = std::min(of_w, -x.w[p] / d.w[p]);
   }
-  if (!linear_) alpha[0] = alpha[1] = least(alpha);
+  if (!program_) alpha[0] = alpha[1] = least(alpha);
   return alpha;
 }
 
@@ -259,7 +261,7 @@ InteriorPath::Iterate InteriorPath::moved(const Iterate& d, const Lengths& alpha
 void InteriorPath::adapt_proximal(double alpha, double before, double now) {
   // A step leaves the share 1 - alpha of the residual, and what the proximal term makes.
   const bool stuck = now > (1 - 0.5 * alpha) * before;
-  if (!linear_ && alpha < 0.1) delta_ = std::min(10 * delta_, 1e2 * proximal_);
+  if (!program_ && alpha < 0.1) delta_ = std::min(10 * delta_, 1e2 * proximal_);
   if ((linear_ || alpha > 0.5) && stuck) delta_ = std::max(0.1 * delta_, 1e-4 * proximal_);
 }
 

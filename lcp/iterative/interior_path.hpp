@@ -32,11 +32,11 @@ class InteriorPath {
   struct Iterate {
     Vec z, s, w;
   };
-  /// Step lengths of the two groups of variables that linear programs have; equal for other problems.
+  /// Step lengths of the two groups of variables that programs have; equal for other problems.
   using Lengths = std::array<double, 2>;
   static double least(const Lengths& alpha) { return std::min(alpha[0], alpha[1]); }
 
-  /// J has its diagonal in its pattern, and outlives *this. `affine`: J does not change, and may be a linear program's.
+  /// J has its diagonal in its pattern, and outlives *this. `affine`: J does not change, and may be a program's.
   InteriorPath(const SpMat& J, const Box& box, bool affine, double to_boundary, double proximal, LuBackend lu);
 
   /// The least squares solution of the equations that F = F(z) and J at z make, as near to z as they allow.
@@ -71,7 +71,7 @@ class InteriorPath {
   Index pairs() const { return static_cast<Index>(bounds_.size()); }
   const std::vector<Bound>& bounds() const { return bounds_; }
   bool linear() const { return linear_; }
-  std::size_t group(Index i) const { return group_[at(i)]; }  ///< 0 but for linear programs
+  std::size_t group(Index i) const { return group_[at(i)]; }  ///< 0 but for programs
   double gap(const Iterate& of) const { return pairs() > 0 ? of.s.dot(of.w) / static_cast<double>(pairs()) : 0; }
   Vec residual(const Iterate& of, const Vec& F) const;  ///< r
   /// Returns the bound of each variable that s < w calls active, or -1.
@@ -97,7 +97,7 @@ class InteriorPath {
   double delta_;
   std::vector<Bound> bounds_;
   std::vector<std::size_t> group_;  ///< of each variable
-  bool linear_ = false;
+  bool program_ = false, linear_ = false;
   Vec r_, rho_;               ///< at x
   std::vector<Index> stiff_;  ///< of each variable: its bound with the largest w / s, or -1 where that is below one
   double accuracy_ = 0;       ///< of the last direction: ShiftedSystem::solve()

@@ -32,10 +32,11 @@ class Run {
   using Iterate = InteriorPath::Iterate;
 
   Result run() {
-    int short_steps = 0;
+    int halted = 0, crept = 0;  // steps in a row that hardly move, and that are shorter than a half
     const Vec bounds = this->bounds();
     const Vec nearest = path_.nearest(bounds, p_.M * bounds + p_.q);
     path_.open(nearest, p_.M * nearest + p_.q);
+    look();
     for (;;) {
       finish();
       if (best_.solves(limits_.tol)) return end(Status::Stalled, "");
@@ -44,25 +45,48 @@ class Run {
       if ((over || (k_ % 5 == 4 && diverges())) && infeasible()) return proven();
       if (over) return end(Status::IterationLimit, "the limit of iterations is reached");
 
-      const LuStatus status = path_.factor(F());
+      const LuStatus status = path_.factor(F_);
       if (status != LuStatus::Ok) return end(Status::Singular, "M + diag(w / s) is " + std::string(to_string(status)));
-      const Iterate d = path_.newton();
-      const InteriorPath::Lengths alpha = path_.length(d);
-      const double least = InteriorPath::least(alpha), before = residual().norm();
+      // Where steps stay short, products grow in proportion to the residual: they have fallen too early.
+      const bool early = crept >= 2 && !path_.linear();
+      const Iterate d = path_.newton(early ? residual_ / std::sqrt(static_cast<double>(n_)) : 0);
+      const double before = residual_, least = step(d);
       ++k_;
       last_step_ = d.z;
-      x_ = path_.moved(d, alpha);
-      path_.adapt_proximal(least, before, residual().norm());
+      path_.adapt_proximal(least, before, residual_);
       if (!x_.z.allFinite() || !x_.w.allFinite()) return end(Status::Stalled, "the iterates overflow");
-      short_steps = least < 1e-6 ? short_steps + 1 : 0;
-      if (short_steps >= 3 || (path_.pairs() > 0 && path_.gap(x_) < 1e-28)) {
+      halted = least < 1e-6 ? halted + 1 : 0;
+      crept = least < 0.5 ? crept + 1 : 0;
+      if (halted >= 3 || (path_.pairs() > 0 && path_.gap(x_) < 1e-28)) {
         finish(true);
         if (infeasible()) return proven();
-        return end(Status::Stalled, text_of("the steps have become short (", least, ") at mu = ", path_.gap(x_),
-                                            ", |M z + q - w + v| = ", residual().cwiseAbs().maxCoeff(),
-                                            ", |z| = ", x_.z.cwiseAbs().maxCoeff(), " (scaled)"));
+        return end(Status::Stalled,
+                   text_of("the steps have become short (", least, ") at mu = ", path_.gap(x_),
+                           ", ||M z + q - w + v|| = ", residual_, ", |z| = ", x_.z.cwiseAbs().maxCoeff(), " (scaled)"));
       }
     }
+  }
+
+  /// Moves along d, each group as far as it can. Returns the shorter length. Unequal steps of a quadratic program leave
+  /// a residual (P dz times their difference): where that does not fall, and the shorter step is not very short, both
+  /// take it.
+  double step(const Iterate& d) {
+    const InteriorPath::Lengths alpha = path_.length(d);
+    const double least = InteriorPath::least(alpha), before = residual_;
+    const Iterate from = x_;
+    x_ = path_.moved(d, alpha);
+    look();
+    if (path_.linear() || alpha[0] == alpha[1] || least < 0.3 || residual_ <= (1 - least / 2) * before) return least;
+    x_ = from;
+    x_ = path_.moved(d, {least, least});
+    look();
+    return least;
+  }
+
+  /// F and the residual at x.
+  void look() {
+    F_ = p_.M * x_.z + p_.q;
+    residual_ = path_.residual(x_, F_).norm();
   }
 
   /// The bound of each variable, or the middle of both; 0 of a free one.
@@ -79,12 +103,9 @@ class Run {
 
   /// Returns whether z is long, and the residual no smaller than half of what it was when this was asked before.
   bool diverges() {
-    const double before = std::exchange(residual_, residual().norm());
+    const double before = std::exchange(looked_at_, residual_);
     return residual_ > before / 2 && x_.z.cwiseAbs().maxCoeff() > 1e3;
   }
-
-  Vec F() const { return p_.M * x_.z + p_.q; }
-  Vec residual() const { return path_.residual(x_, F()); }
 
   Cells cells() const {
     Cells cells(at(n_), Cell::Inside);
@@ -244,7 +265,9 @@ class Run {
   InteriorPath path_;
   Iterate& x_ = path_.x;
   Index n_;
-  double residual_ = infinity;  ///< when it was last looked at
+  Vec F_;                        ///< M z + q at x
+  double residual_ = infinity;   ///< ||r|| at x
+  double looked_at_ = infinity;  ///< the residual when diverges() was last asked
   std::uint64_t last_key_ = 0, polished_key_ = 0;
   double polished_gap_ = 0.1;
   Vec last_step_ = Vec::Zero(n_);
