@@ -4,18 +4,16 @@ package is not installed. A pattern that lacks an entry, or a colouring that mix
 
 import subprocess
 import sys
-import re
 import warnings
-from pathlib import Path
 
 import numpy as np
 import perp
 import pytest
+from pages import run_examples
 from problems import is_kojima_solution, kojima_jac
 from scipy import sparse
 
 N = 12
-ROOT = Path(__file__).resolve().parents[2]
 A = np.random.default_rng(1).normal(size=(N, N))
 BAND = np.diag(np.arange(1.0, N + 1)) + np.diag(np.ones(N - 2), 2)
 ORDER = np.random.default_rng(2).permutation(N)
@@ -228,8 +226,4 @@ def test_the_page():
     """The examples of docs/python-derivatives.md, in turn."""
     pytest.importorskip("jax")
     pytest.importorskip("casadi")
-    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "docs" / "python-derivatives.md").read_text(encoding="utf-8"), re.M | re.S)
-    assert blocks
-    scope = {}
-    for block in blocks:
-        exec(compile(block, "docs/python-derivatives.md", "exec"), scope)
+    run_examples("docs/python-derivatives.md")

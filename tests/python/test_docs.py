@@ -3,13 +3,10 @@
 
 import inspect
 import re
-import warnings
-from pathlib import Path
 
 import perp
 import pytest
-
-ROOT = Path(__file__).resolve().parents[2]
+from pages import ROOT, run_examples
 
 
 @pytest.mark.parametrize(
@@ -24,13 +21,7 @@ ROOT = Path(__file__).resolve().parents[2]
     ],
 )
 def test_examples(page, least):
-    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / page).read_text(encoding="utf-8"), re.M | re.S)
-    assert len(blocks) >= least
-    scope = {}
-    for block in blocks:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)  # of numpy's, at points where F overflows
-            exec(compile(block, page, "exec"), scope)
+    run_examples(page, least)
 
 
 @pytest.mark.parametrize("name", perp.__all__)

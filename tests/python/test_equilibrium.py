@@ -3,19 +3,16 @@
 model says. A wrong derivative, sign of a multiplier, owner of a variable or sense of an objective moves every one of them."""
 
 import math
-import re
-from pathlib import Path
 
 import numpy as np
 import pytest
+from pages import run_examples
 
 pyo = pytest.importorskip("pyomo.environ")
 from pyomo.mpec import Complementarity, complements  # noqa: E402  (after the check)
 
 pytest.importorskip("perp.pyomo")
 from perp.pyomo import ModelError, equilibrium  # noqa: E402
-
-ROOT = Path(__file__).resolve().parents[2]
 
 
 def model(**variables):
@@ -522,8 +519,4 @@ def test_an_inequality_of_nobody_is_refused():
 
 def test_the_page():
     """The examples of docs/equilibria.md, in turn."""
-    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "docs" / "equilibria.md").read_text(encoding="utf-8"), re.M | re.S)
-    assert blocks
-    scope = {}
-    for block in blocks:
-        exec(compile(block, "docs/equilibria.md", "exec"), scope)
+    run_examples("docs/equilibria.md")

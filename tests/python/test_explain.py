@@ -2,23 +2,17 @@
 """The page docs/explain.md, run as a reader would; and models of data/models, each broken in one way."""
 
 import random
-import re
-from pathlib import Path
 
 import numpy as np
 import perp
 import pytest
+from pages import ROOT, run_examples
 
-ROOT = Path(__file__).resolve().parents[2]
 MODELS = ["cournot", "energy", "economy", "harberger", "growth", "cases"]
 
 
 def test_page():
-    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "docs" / "explain.md").read_text(encoding="utf-8"), re.M | re.S)
-    assert len(blocks) >= 6
-    scope = {}
-    for block in blocks:
-        exec(compile(block, "docs/explain.md", "exec"), scope)
+    run_examples("docs/explain.md", 6)
 
 
 @pytest.mark.parametrize("name", MODELS)

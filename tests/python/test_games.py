@@ -5,15 +5,13 @@ pygambit is installed."""
 
 import itertools
 import os
-import re
 from fractions import Fraction as Q
 from pathlib import Path
 
 import numpy as np
 import perp
 import pytest
-
-ROOT = Path(__file__).resolve().parents[2]
+from pages import run_examples
 
 
 def regret(A, B, x, y):
@@ -255,8 +253,4 @@ def test_games_of_gambit():
 
 def test_the_page():
     """The examples of docs/games.md, in turn."""
-    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "docs" / "games.md").read_text(encoding="utf-8"), re.M | re.S)
-    assert blocks
-    scope = {}
-    for block in blocks:
-        exec(compile(block, "docs/games.md", "exec"), scope)
+    run_examples("docs/games.md")

@@ -2,18 +2,14 @@
 """perp.jax and perp.torch: gradients of solutions by parameters against differences of solutions, on 50 generated models, at
 points where bounds hold and where they do not. Each is skipped where its package is not installed."""
 
-import re
 import warnings
-from pathlib import Path
 
 import numpy as np
 import perp
 import pytest
+from pages import run_examples
 
-ROOT = Path(__file__).resolve().parents[2]
 TIGHT = {"convergence_tolerance": 1e-12}
-
-
 N, P = 6, 4
 UPPER = np.array([np.inf, 0.3, np.inf, 0.3, 0.3, np.inf])
 
@@ -164,8 +160,4 @@ def test_the_page():
     """The examples of docs/gradients.md, in turn."""
     pytest.importorskip("jax")
     pytest.importorskip("torch")
-    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "docs" / "gradients.md").read_text(encoding="utf-8"), re.M | re.S)
-    assert blocks
-    scope = {}
-    for block in blocks:
-        exec(compile(block, "docs/gradients.md", "exec"), scope)
+    run_examples("docs/gradients.md")

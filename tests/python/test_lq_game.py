@@ -1,14 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """LQ games as arrays, against equilibria by hand and the players' own conditions, which are computed here."""
 
-import re
-from pathlib import Path
-
 import numpy as np
 import perp
 import pytest
-
-ROOT = Path(__file__).resolve().parents[2]
+from pages import run_examples
 
 
 def generated(N, seed, equalities=0):
@@ -79,8 +75,4 @@ def test_refusals(change, words):
 
 def test_the_page():
     """The examples of docs/lq-games.md, in turn."""
-    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "docs" / "lq-games.md").read_text(encoding="utf-8"), re.M | re.S)
-    assert blocks
-    scope = {}
-    for block in blocks:
-        exec(compile(block, "docs/lq-games.md", "exec"), scope)
+    run_examples("docs/lq-games.md")

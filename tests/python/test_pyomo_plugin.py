@@ -7,12 +7,11 @@ import io
 import logging
 import os
 import random
-import re
 import sys
 import time
-from pathlib import Path
 
 import pytest
+from pages import run_examples
 
 pyo = pytest.importorskip("pyomo.environ")
 from pyomo.common import Executable  # noqa: E402  (after the check)
@@ -604,12 +603,7 @@ def test_examples_of_the_page(monkeypatch, tmp_path):
     (tmp_path / "perp").symlink_to(os.path.realpath(PROGRAM))
     monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
     Executable("perp").rehash()
-    page = Path(__file__).resolve().parents[2] / "docs" / "pyomo.md"
-    blocks = re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
-    assert len(blocks) == 3
-    scope = {}
-    for block in blocks:
-        exec(compile(block, "docs/pyomo.md", "exec"), scope)
+    run_examples("docs/pyomo.md", 3)
 
 
 def test_log_file_and_kept_files(solver, tmp_path, capsys):
