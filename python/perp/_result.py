@@ -422,28 +422,37 @@ class AllSolutions(Record):
         return iter(self.found)
 
 
-class Sensitivity(Record):
-    """How a solution moves with m parameters."""
+class Derivatives(Record):
+    """How a solution moves with m parameters. Each kind of problem adds the derivatives of its own."""
 
+    _matrices: tuple[str, ...] = ()
     status: Field[str] = Field(
         '"Differentiable", "Directional"; refused: "Degenerate", "Singular", "NotASolution", "NotDefined", "TooLarge".'
     )
-    known: Field[bool] = Field("Whether dx and dF are derivatives.", bool)
+    known: Field[bool] = Field("Whether the derivatives are known.", bool)
     message: Field[str] = Field("What was found; of a refusal, why.")
-    dx: Field[Array] = Field("Shape (n, m): dx_i/dp_j; (n, 1) in a direction; (0, 0) if refused.")
-    dF: Field[Array] = Field("Of the same shape: the total derivative of F_i.")
-    states: Field[list[str]] = Field("Of every variable: where it is.", _texts)
-    degenerate: Field[npt.NDArray[np.int64]] = Field("Indices at a bound where F is zero, too.")
-    rcond: Field[float] = Field("About 1 / condition of the block of J between the bounds, equilibrated.")
-    strongly_regular: Field[bool] = Field("Whether the solution is proven to be so (Robinson 1980).", bool)
-    residual: Field[float] = Field("The natural residual of x.")
+    degenerate: Field[npt.NDArray[np.int64]] = Field("Of the variables at a bound where F is zero, too; contacts at a kink.")
+    rcond: Field[float] = Field("About 1 / condition of the equations of the derivatives, equilibrated.")
+    strongly_regular: Field[bool] = Field(
+        "Whether there is proven to be one derivative in every direction (of complementarity problems: Robinson 1980).", bool
+    )
 
     def __init__(self, source: Fields) -> None:
         super().__init__(source)
         columns = source.read("directions")
-        for name in ("dx", "dF"):
+        for name in self._matrices:
             entries = source.read(name)
             self._values[name] = entries.reshape(-1, columns) if entries.size else np.empty((0, 0))
+
+
+class Sensitivity(Derivatives):
+    """How a solution of a complementarity problem moves with m parameters."""
+
+    _matrices = ("dx", "dF")
+    dx: Field[Array] = Field("Shape (n, m): dx_i/dp_j; (n, 1) in a direction; (0, 0) if refused.")
+    dF: Field[Array] = Field("Of the same shape: the total derivative of F_i.")
+    states: Field[list[str]] = Field("Of every variable: where it is.", _texts)
+    residual: Field[float] = Field("The natural residual of x.")
 
 
 class Verified(Record):

@@ -23,7 +23,7 @@ from perp._arrays import address, copies_of, matrix, refuse, vector
 from perp._functions import view
 from perp._library import INTERFACE, Handle, call, made
 from perp._problem import _count, _derivative, asked, listed, path_text, solver_of, text
-from perp._result import Field, Fields, Interrupted, Record, _texts, numbers_of
+from perp._result import Derivatives, Field, Fields, Interrupted, Record, _texts, numbers_of
 from perp._types import Array, Matrix, Options, Path
 
 __all__ = ["Existence", "Problem", "Result", "Scene", "Sensitivity", "problem", "read", "scene", "scenes", "solve"]
@@ -74,30 +74,16 @@ class Result(Record):
         return [(label, counts if label == "states" else text) for label, text in facts if text != "None"]
 
 
-class Sensitivity(Record):
-    """Derivatives of a solution by m parameters."""
+class Sensitivity(Derivatives):
+    """How a solution of a contact problem moves with m parameters."""
 
-    status: Field[str] = Field(
-        '"Differentiable", "Directional"; refused: "Degenerate", "Singular", "NotASolution", "TooLarge".'
-    )
-    known: Field[bool] = Field("Whether dr and du are derivatives.", bool)
-    message: Field[str] = Field("What was found; of a refusal, why.")
+    _matrices = ("dr", "du")
     dr: Field[Array] = Field("Shape (d k, m): dr_i/dp_j; (d k, 1) in a direction; (0, 0) if refused.")
     du: Field[Array] = Field("Of the same shape: du_i/dp_j.")
     regions: Field[list[str]] = Field(
         'Of each contact: "open", "stick", "slip", "roll"; at a kink "touching", "edge".', _texts
     )
-    degenerate: Field[npt.NDArray[np.int64]] = Field("The contacts at a kink.")
-    rcond: Field[float] = Field("About 1 / condition of the contacts' equations, equilibrated.")
-    strongly_regular: Field[bool] = Field("Whether there is proven to be one derivative in every direction.", bool)
     residual: Field[dict[str, float]] = Field("Measures of r, as of `judge`.", numbers_of)
-
-    def __init__(self, source: Fields) -> None:
-        super().__init__(source)
-        columns = source.read("directions")
-        for name in ("dr", "du"):
-            entries = source.read(name)
-            self._values[name] = entries.reshape(-1, columns) if entries.size else np.empty((0, 0))
 
 
 class Problem:
