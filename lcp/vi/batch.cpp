@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lcp/vi/batch.hpp"
 
-#include <algorithm>
-#include <atomic>
-#include <exception>
 #include <limits>
-#include <mutex>
+#include <memory>
 #include <optional>
-#include <thread>
-#include <vector>
 
 #include "lcp/judge/dense_judge.hpp"
 #include "lcp/solve/dense.hpp"
+#include "lcp/threads.hpp"
 
 namespace perp::lcp {
 namespace {
@@ -96,33 +92,10 @@ class Worker {
 }  // namespace
 
 void solve_batch(const ViBatch& batch, const BatchAnswers& answers, int threads, const Limits& limits) {
-  // A few instances at a time, so that threads end together.
-  constexpr Index portion = 8;
-  std::atomic<Index> next{0};
-  std::atomic<bool> failed{false};
-  std::exception_ptr failure;
-  std::mutex lock;
-  const auto work = [&] {
-    try {
-      Worker worker(batch, answers, limits);
-      for (Index k = next.fetch_add(portion); k < batch.count && !failed; k = next.fetch_add(portion))
-        for (Index i = k; i < std::min(k + portion, batch.count); ++i) worker.solve(i);
-    } catch (...) {
-      const std::lock_guard hold(lock);
-      if (!failed.exchange(true)) failure = std::current_exception();
-    }
-  };
-  const Index most = (batch.count + portion - 1) / portion;
-  const Index wanted = threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency());
-  std::vector<std::thread> others;
-  others.reserve(at(std::max(std::min(wanted, most), Index{1})));
-  try {
-    for (Index t = 1; t < std::min(wanted, most); ++t) others.emplace_back(work);
-  } catch (const std::exception&) {  // the system has no more threads: those that run do the work
-  }
-  work();
-  for (std::thread& thread : others) thread.join();
-  if (failure) std::rethrow_exception(failure);
+  in_threads(batch.count, threads, [&] {
+    const auto worker = std::make_shared<Worker>(batch, answers, limits);
+    return [worker](Index k) { worker->solve(k); };
+  });
 }
 
 }  // namespace perp::lcp
