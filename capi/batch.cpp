@@ -10,25 +10,6 @@
 #include "capi/guard.hpp"
 #include "capi/matrix.hpp"
 
-namespace perp::capi {
-
-namespace {
-
-/// The caller's numbers, or `otherwise` for all.
-lcp::Varying varying(const perp_varying* given, int64_t size, const char* name, const std::vector<double>* otherwise) {
-  if (size == 0) return {};
-  if (given == nullptr || given->values == nullptr) {
-    if (otherwise == nullptr) require(nullptr, name);
-    return {otherwise->data(), 0};
-  }
-  if (given->step < 0) refuse(name, "its step is " + std::to_string(given->step) + ", negative");
-  return {given->values, static_cast<Index>(given->step)};  // as wide as an address
-}
-
-}  // namespace
-
-}  // namespace perp::capi
-
 using namespace perp::capi;  // NOLINT(google-build-using-namespace): what follows is the interface of C
 
 int32_t perp_batch_vi(int32_t interface_, int64_t count, int64_t n, int64_t m, const perp_varying* M,
@@ -50,13 +31,13 @@ int32_t perp_batch_vi(int32_t interface_, int64_t count, int64_t n, int64_t m, c
     const perp::lcp::ViBatch batch{.count = static_cast<Index>(count),
                                    .n = static_cast<Index>(n),
                                    .m = static_cast<Index>(m),
-                                   .M = varying(M, n * n, "M", nullptr),
-                                   .q = varying(q, n, "q", nullptr),
-                                   .A = varying(A, m * n, "A", nullptr),
-                                   .b = varying(row_lower, m, "row_lower", &zeros),
-                                   .c = varying(row_upper, m, "row_upper", &infinities),
-                                   .l = varying(lower, n, "lower", &zeros),
-                                   .u = varying(upper, n, "upper", &infinities)};
+                                   .M = varying_of(M, n * n, "M"),
+                                   .q = varying_of(q, n, "q"),
+                                   .A = varying_of(A, m * n, "A"),
+                                   .b = varying_of(row_lower, m, "row_lower", &zeros),
+                                   .c = varying_of(row_upper, m, "row_upper", &infinities),
+                                   .l = varying_of(lower, n, "lower", &zeros),
+                                   .u = varying_of(upper, n, "upper", &infinities)};
     const auto k = static_cast<std::size_t>(count);
     std::vector<perp::Status> statuses(status != nullptr ? k : 0);
     const auto span = [&](double* values, int64_t each) {

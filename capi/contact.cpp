@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <string>
@@ -18,6 +19,7 @@
 #include "contact/scenes/generators.hpp"
 #include "contact/solvers/named_options.hpp"
 #include "contact/solvers/sensitivity.hpp"
+#include "lcp/threads.hpp"
 
 namespace perp::capi {
 
@@ -32,6 +34,11 @@ std::unique_ptr<perp_contact> handle(contact::Problem problem) {
   auto made = std::make_unique<perp_contact>();
   made->problem = std::move(problem);
   return made;
+}
+
+/// Writes it as the k-th, where there is a place.
+void put(double* all, std::size_t k, const Vec& one) {
+  if (all != nullptr) std::ranges::copy(one, all + k * static_cast<std::size_t>(one.size()));
 }
 
 /// d n.
@@ -49,15 +56,15 @@ Vec friction(const double* mu, std::int64_t contacts) {
   return copy;
 }
 
-std::unique_ptr<perp_contact> local(std::int32_t dimension, std::int64_t contacts, const perp_matrix* W,
-                                    const double* q, const double* mu) {
+contact::Problem local(std::int32_t dimension, std::int64_t contacts, const perp_matrix* W, const double* q,
+                       const double* mu) {
   const Index size = size_of(dimension, contacts);
   contact::Problem problem{.dimension = dimension};
   problem.W = std::move(matrix_of(W, "W", size, size).entries);
   problem.q = vector_of(q, size, "q");
   problem.mu = friction(mu, contacts);
   contact::check(problem);
-  return handle(std::move(problem));
+  return problem;
 }
 
 contact::Variant variant_of(const char* words) {
@@ -70,14 +77,20 @@ contact::Variant variant_of(const char* words) {
   }
 }
 
+/// The variant in words, and what a solver asks of it.
+contact::SequenceOptions asked_of(const perp_solver& solver, const char* words) {
+  contact::SequenceOptions asked{.variant = variant_of(words)};
+  const contact::AppliedOptions options = contact::apply_options(asked.variant, solver.given);
+  asked.limits.tol = options.tol.value_or(asked.limits.tol);
+  asked.limits.seconds = options.seconds.value_or(asked.limits.seconds);
+  return asked;
+}
+
 Part solved(Work& work, const contact::Problem& problem, const char* words, const double* r0) {
-  contact::Variant variant = variant_of(words);
-  const contact::AppliedOptions options = contact::apply_options(variant, work.solver().given);
-  contact::RunLimits limits{.interrupt = work.stop()};
-  limits.tol = options.tol.value_or(limits.tol);
-  limits.seconds = options.seconds.value_or(limits.seconds);
-  if (r0 != nullptr) limits.start = vector_of(r0, problem.q.size(), "r0");
-  return part_of(contact::run(problem, variant, limits));
+  contact::SequenceOptions asked = asked_of(work.solver(), words);
+  asked.limits.interrupt = work.stop();
+  if (r0 != nullptr) asked.limits.start = vector_of(r0, problem.q.size(), "r0");
+  return part_of(contact::run(problem, asked.variant, asked.limits));
 }
 
 Part existence(Work& work, const contact::Problem& problem) {
@@ -114,7 +127,7 @@ int32_t perp_contact_create(int32_t interface_, int32_t dimension, int64_t conta
                             const double* q, const double* mu, perp_contact** contact, perp_error* error) {
   return guarded_make(contact, "contact", error, [&] {
     require_interface(interface_);
-    return local(dimension, contacts, W, q, mu);
+    return handle(local(dimension, contacts, W, q, mu));
   });
 }
 
@@ -219,6 +232,44 @@ int32_t perp_contact_solve(perp_solver* solver, const perp_contact* contact, con
     require(contact, "contact");
     Work work(solver);
     return solved(work, contact->problem, variant, r0);
+  });
+}
+
+int32_t perp_contact_batch_create(int32_t interface_, const perp_solver* solver, int64_t count, const char* variant,
+                                  perp_contact_batch** batch, perp_error* error) {
+  return guarded_make(batch, "batch", error, [&] {
+    require_interface(interface_);
+    check_size(count, "count");
+    const perp_solver usual;
+    const perp::contact::SequenceOptions asked = asked_of(solver != nullptr ? *solver : usual, variant);
+    auto made = std::make_unique<perp_contact_batch>();
+    for (int64_t k = 0; k < count; ++k) made->simulations.emplace_back(asked);
+    return made;
+  });
+}
+
+void perp_contact_batch_free(perp_contact_batch* batch) { delete batch; }
+
+int32_t perp_contact_batch_step(perp_contact_batch* batch, int32_t dimension, int64_t contacts, const perp_varying* W,
+                                const perp_varying* q, const perp_varying* mu, int32_t threads, double* r, double* u,
+                                int32_t* status, double* residual, perp_error* error) {
+  return guarded(error, [&] {
+    require(batch, "batch");
+    const Index size = size_of(dimension, contacts);
+    const perp::lcp::Varying all_W = varying_of(W, size * size, "W"), all_q = varying_of(q, size, "q"),
+                             all_mu = varying_of(mu, contacts, "mu");
+    perp::lcp::in_threads(static_cast<Index>(batch->simulations.size()), threads, [&] {
+      return [&](Index number) {
+        const auto k = static_cast<std::size_t>(number);
+        const perp_matrix own_W{PERP_DENSE_ROWS, 0, size, size, nullptr, nullptr, all_W.of(number)};
+        const perp::contact::Problem problem = local(dimension, contacts, &own_W, all_q.of(number), all_mu.of(number));
+        const perp::contact::Run run = batch->simulations[k].step(problem);
+        put(r, k, run.solution.r);
+        put(u, k, run.solution.u);
+        if (status != nullptr) status[k] = static_cast<int32_t>(run.status);
+        if (residual != nullptr) residual[k] = std::isnan(run.own) ? run.residual.largest() : run.own;
+      };
+    });
   });
 }
 

@@ -10,6 +10,7 @@
 #include "capi/callback_mcp.hpp"
 #include "capi/perp.h"
 #include "contact/model/problem.hpp"
+#include "contact/solvers/sequence.hpp"
 #include "ncp/ampl/model.hpp"
 #include "ncp/interval/expression.hpp"
 #include "ncp/settings/settings.hpp"
@@ -97,4 +98,8 @@ struct perp_solver {
 
 struct perp_contact {
   perp::contact::Problem problem{};
+};
+
+struct perp_contact_batch {
+  std::vector<perp::contact::Sequence> simulations{};
 };

@@ -291,6 +291,17 @@ Vec vector_of(const double* values, Index n, const char* argument) {
   return copy;
 }
 
+lcp::Varying varying_of(const perp_varying* given, std::int64_t size, const char* argument,
+                        const std::vector<double>* otherwise) {
+  if (size == 0) return {};
+  if (given == nullptr || given->values == nullptr) {
+    if (otherwise == nullptr) require(nullptr, argument);
+    return {otherwise->data(), 0};
+  }
+  if (given->step < 0) refuse(argument, "its step is " + std::to_string(given->step) + ", negative");
+  return {given->values, static_cast<Index>(given->step)};  // as wide as an address
+}
+
 lcp::Box box_of(const double* lower, const double* upper, Index n) {
   lcp::require_memory(2 * sizeof(double) * static_cast<double>(n), "the bounds of " + std::to_string(n) + " variables");
   lcp::Box box = lcp::Box::nonnegative(n);

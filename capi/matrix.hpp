@@ -7,6 +7,7 @@
 
 #include "capi/perp.h"
 #include "lcp/box.hpp"
+#include "lcp/vi/batch.hpp"
 
 namespace perp::capi {
 
@@ -47,6 +48,9 @@ perp_matrix matrix_view(const SpMat& matrix);
 void check_size(std::int64_t n, const char* argument);
 /// n finite entries.
 Vec vector_of(const double* values, Index n, const char* argument);
+/// `size` numbers of each of many problems, or `otherwise` for all where the caller has none.
+lcp::Varying varying_of(const perp_varying* given, std::int64_t size, const char* argument,
+                        const std::vector<double>* otherwise = nullptr);
 /// lower null: 0; upper null: infinity. Refuses what is no box.
 lcp::Box box_of(const double* lower, const double* upper, Index n);
 

@@ -86,6 +86,35 @@ def batch(
 
 class _Varying(ctypes.Structure):
     _fields_ = [("values", ctypes.c_void_p), ("step", ctypes.c_int64)]
+    kept: Array
+
+
+def varying_of(
+    given: dict[str, Array], shapes: dict[str, tuple[int, ...]], count: int | None = None
+) -> tuple[int | None, dict[str, Any]]:
+    """(the number of problems, None where all have all in common; for C) of arrays that have one axis more where they are
+    not the same for all problems."""
+    varying = {}
+    for name, array in given.items():
+        one = shapes[name]
+        several = array.ndim > len(one)
+        if array.shape[-len(one) :] != one or array.ndim > len(one) + 1:
+            refuse(name, f"has shape {array.shape}, and must have shape {one} or (count, {', '.join(map(str, one))})")
+        if several:
+            if count is not None and len(array) != count:
+                refuse(name, f"has {len(array)} problems, and there are {count}")
+            count = len(array)
+        array = np.ascontiguousarray(array, dtype=float)
+        numbers = _Varying(address(array), int(np.prod(one)) if several else 0)
+        numbers.kept = array
+        varying[name] = ctypes.byref(numbers)
+    return count, varying
+
+
+def names_of(status: npt.NDArray[np.int32]) -> list[str]:
+    """The words of perp_status."""
+    names = {code: _library.lib.perp_status_name(code).decode() for code in set(status.tolist())}
+    return [names[code] for code in status.tolist()]
 
 
 def _affine(M: Any, q: Any, A: Any, b: Any, c: Any, lower: Any, upper: Any, tol: float, threads: int) -> BatchResult:
@@ -101,24 +130,8 @@ def _affine(M: Any, q: Any, A: Any, b: Any, c: Any, lower: Any, upper: Any, tol:
     for name, side in sides.items():
         array = np.asarray(side, dtype=float)
         given[name] = np.broadcast_to(array, shapes[name]) if array.ndim == 0 else array
-    counted: int | None = None
-    for name, array in given.items():
-        if array.shape[-len(shapes[name]) :] != shapes[name] or array.ndim > len(shapes[name]) + 1:
-            refuse(name, f"has shape {array.shape}, and must have shape {shapes[name]} or (count, {', '.join(map(str, shapes[name]))})")
-        if array.ndim > len(shapes[name]):
-            if counted is not None and len(array) != counted:
-                refuse(name, f"has {len(array)} problems, and others have {counted}")
-            counted = len(array)
+    counted, varying = varying_of(given, shapes)
     count = 1 if counted is None else counted
-    varying, kept = {}, []
-    for name in shapes:
-        if name not in given:
-            varying[name] = None
-            continue
-        array = np.ascontiguousarray(given[name], dtype=float)
-        kept.append(array)
-        several = array.ndim > len(shapes[name])
-        varying[name] = ctypes.byref(_Varying(address(array), int(np.prod(shapes[name])) if several else 0))
     x, multipliers = np.empty((count, n)), np.empty((count, m))
     status, residual = np.empty(count, np.int32), np.empty(count)
     call(
@@ -127,13 +140,12 @@ def _affine(M: Any, q: Any, A: Any, b: Any, c: Any, lower: Any, upper: Any, tol:
         count,
         n,
         m,
-        *(varying[name] for name in ("M", "q", "A", "b", "c", "lower", "upper")),
+        *(varying.get(name) for name in ("M", "q", "A", "b", "c", "lower", "upper")),
         tol,
         threads,
         *(address(array) for array in (x, multipliers, status, residual)),
     )
-    names = {code: _library.lib.perp_status_name(code).decode() for code in set(status.tolist())}
-    return BatchResult(x, status == 0, [names[code] for code in status.tolist()], residual, multipliers)
+    return BatchResult(x, status == 0, names_of(status), residual, multipliers)
 
 
 def natural(x: Array, F: Array, low: Array, high: Array) -> Array:

@@ -122,6 +122,8 @@ _QUICK = {
     "perp_result_part": (_V, [_V, _T, _N]),
     "perp_result_iterations": (_V, [_V, _T]),
     "perp_contact_free": (None, [_V]),
+    "perp_contact_batch_create": (_I, [_I, _V, _N, _T, _V, _V]),
+    "perp_contact_batch_free": (None, [_V]),
     "perp_contact_dimension": (_I, [_V]),
     "perp_contact_contacts": (_N, [_V]),
     "perp_contact_name": (_T, [_V]),
@@ -156,6 +158,7 @@ _LONG = {
     "perp_contact_judge": (_I, [_V, _V, c_double, _V, _V]),
     "perp_contact_existence": (_I, [_V, _V, _V, _V]),
     "perp_contact_solve": (_I, [_V, _V, _T, _V, _V, _V]),
+    "perp_contact_batch_step": (_I, [_V, _I, _N, _V, _V, _V, _I, _V, _V, _V, _V, _V]),
     "perp_contact_sensitivity": (_I, [_V, _V, _V, _N, _V, _V, _V, _V, _V, _V]),
 }
 
@@ -211,6 +214,7 @@ class Library:
         self.Result = _handle_class("Result", self.perp_result_free)
         self.Dense = _handle_class("Dense", self.perp_dense_free)
         self.Contact = _handle_class("Contact", self.perp_contact_free)
+        self.ContactBatch = _handle_class("ContactBatch", self.perp_contact_batch_free)
 
     def __getattr__(self, name: str) -> Any:  # for what reads types: every name is a function of C
         raise AttributeError(f"libperp has no function {name}")

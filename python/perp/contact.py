@@ -13,20 +13,23 @@ import ctypes
 import numbers
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from perp import _library, _session
-from perp._arrays import address, copies_of, matrix, refuse, vector
+from perp._arrays import address, copies_of, doubles, matrix, refuse, vector
+from perp._batch import names_of, varying_of
 from perp._functions import view
 from perp._library import INTERFACE, Handle, call, made
 from perp._problem import _count, _derivative, asked, listed, path_text, solver_of, text
-from perp._result import Derivatives, Field, Fields, Interrupted, Record, _texts, numbers_of
+from perp._result import Derivatives, Field, Fields, Interrupted, Record, Shown, _texts, numbers_of
 from perp._types import Array, Matrix, Options, Path
 
-__all__ = ["Existence", "Problem", "Result", "Scene", "Sensitivity", "problem", "read", "scene", "scenes", "solve"]
+__all__ = ["Batch", "BatchResult", "Existence", "Problem", "Result", "Scene", "Sensitivity"]
+__all__ += ["problem", "read", "scene", "scenes", "solve"]
 
 _STATES = ("open", "stick", "slip", "roll")
 
@@ -217,6 +220,56 @@ class Problem:
         if interrupt is not None:
             raise interrupt
         return Existence(Fields(handle))
+
+
+@dataclass(frozen=True, eq=False)
+class BatchResult(Shown):
+    """A step of a `Batch`, an entry or a row for each simulation."""
+
+    r: Array
+    """Shape (count, d k): impulses, as of `Result`."""
+    u: Array
+    """Shape (count, d k): velocities."""
+    success: npt.NDArray[np.bool_]
+    """Whether the variant's law is solved to the tolerance."""
+    status: list[str]
+    """As of `Result`."""
+    residual: Array
+    """The largest measure of Coulomb's law; of other laws that of their own problem."""
+
+
+class Batch:
+    """Simulations side by side, stepped in threads. Each has a solver that is kept from step to step."""
+
+    def __init__(self, count: int, variant: str = "glocker", options: Options | None = None, **more: object) -> None:
+        """So many simulations; variant and options as of `Problem.solve`."""
+        self.count = _count(count, "count")
+        solver = solver_of(asked(None, options, more))
+        words = text(variant, "variant").encode()
+        lib, pointer = _library.lib, None if solver is None else solver.pointer
+        self._handle = made(lib.perp_contact_batch_create, lib.ContactBatch, INTERFACE, pointer, self.count, words)
+
+    def step(self, W: npt.ArrayLike, q: npt.ArrayLike, mu: npt.ArrayLike, *, threads: int = 0) -> BatchResult:
+        """The next step of each: W, shape (d k, d k), dense, q, shape (d k,), and mu, shape (k,), where they are the same
+        for all, else with an axis more, the first. Contact a begins near its impulse of the simulation's last solved step.
+        threads 0: one for each processor; the results do not depend on it, nor on the order, to the bit."""
+        given = {"W": doubles(W, "W"), "q": doubles(q, "q"), "mu": doubles(mu, "mu")}
+        size, k = (given[name].shape[-1] if given[name].ndim else 0 for name in ("q", "mu"))
+        if not k or size not in (2 * k, 3 * k):
+            refuse("q", f"has {size} entries, and must have 2 or 3 for each of the {k} contacts of mu")
+        _, varying = varying_of(given, {"W": (size, size), "q": (size,), "mu": (k,)}, self.count)
+        r, u = np.empty((self.count, size)), np.empty((self.count, size))
+        status, residual = np.empty(self.count, np.int32), np.empty(self.count)
+        call(
+            _library.lib.perp_contact_batch_step,
+            self._handle.pointer,
+            size // k,
+            k,
+            *varying.values(),
+            threads,
+            *(address(array) for array in (r, u, status, residual)),
+        )
+        return BatchResult(r, u, status == 0, names_of(status), residual)
 
 
 def problem(W: Matrix, q: npt.ArrayLike, mu: npt.ArrayLike) -> Problem:

@@ -81,3 +81,48 @@ def test_sensitivity_at_a_kink_is_one_sided():
         problem.sensitivity(r, dq=np.zeros((3, 2)), dW=[np.eye(3)])
     with pytest.raises(ValueError, match="direction"):
         problem.sensitivity(r, dq=[0.0, 1.0, 0.0], direction=[1.0, 2.0])
+
+
+def simulations(count, seed=1):
+    """W, and q of `count` simulations at two times, of a wall that is pushed a little."""
+    wall, random = perp.contact.scene("wall", 12), np.random.default_rng(seed)
+    size = np.abs(wall.q).max()
+    first = wall.q + 0.02 * size * random.normal(size=(count, len(wall.q)))
+    return wall.W.toarray(), wall.mu, (first, first + 0.002 * size * random.normal(size=first.shape))
+
+
+# Catches a start that is another simulation's, and memory that threads share: the bits would differ.
+def test_a_batch_of_steps_depends_on_neither_order_nor_threads():
+    W, mu, times = simulations(30)
+    order = np.random.default_rng(2).permutation(30)
+    one, other = perp.contact.Batch(30), perp.contact.Batch(30)
+    for k, q in enumerate(times):
+        a = one.step(W, q, mu, threads=1)
+        b = other.step(np.repeat(W[None], 30, axis=0), q[order], np.repeat(mu[None], 30, axis=0), threads=2)
+        assert a.success.all() and a.status == ["Solved"] * 30 and a.residual.max() <= 1e-8
+        np.testing.assert_array_equal(a.r[order], b.r)
+        np.testing.assert_array_equal(a.u[order], b.u)
+        if k == 0:
+            np.testing.assert_array_equal(a.r[7], perp.contact.solve(W, q[7], mu).r)
+    problem = perp.contact.problem(W, times[1][3], mu)
+    assert problem.judge(a.r[3])[0]
+    np.testing.assert_allclose(a.u[3], W @ a.r[3] + times[1][3], atol=1e-9)
+
+
+def test_a_batch_of_polygons_and_its_refusals():
+    batch = perp.contact.Batch(2, "inner:8", convergence_tolerance=1e-9)
+    r = batch.step(np.eye(3), [[-1.0, 0.9, 0.0], [1.0, 0.0, 0.0]], [0.5])
+    np.testing.assert_allclose(r.r, [[1, -0.5, 0], [0, 0, 0]], atol=1e-8)
+    for arguments, what in (
+        ((np.eye(3), np.zeros((3, 3)), [0.5]), "q: has 3 problems, and there are 2"),
+        ((np.eye(2), np.zeros((2, 3)), [0.5]), "W: has shape"),
+        ((np.eye(3), np.zeros((2, 4)), [0.5]), "q: has 4 entries"),
+        ((np.eye(3), np.zeros((2, 3)), [-0.5]), "mu: entry"),
+        ((np.eye(3), np.full((2, 3), np.nan), [0.5]), "q: entry"),
+    ):
+        with pytest.raises(ValueError, match=what):
+            batch.step(*arguments)
+    with pytest.raises(ValueError, match="count"):
+        perp.contact.Batch(0)
+    with pytest.raises(ValueError, match="variant"):
+        perp.contact.Batch(2, "glockr")
