@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from perp import _library
-from perp._arrays import address, bound, doubles, is_sparse, matrix, refuse, shape_of, split_bounds, vector
+from perp._arrays import address, bound, doubles, is_sparse, matrix, refuse, shape_of, split_bounds
 from perp._problem import Problem, affine_problem, asked, function_problem, listeners_of, solver_of
 from perp._result import Field, Fields, Interrupted, Record, numbers_of
 from perp._types import Array, Bound, Bounds, Function, Jacobian, Matrix, Options
@@ -93,12 +93,12 @@ def vi(
     m = rows.rows
     low = bound(-np.inf if b is None and c is not None else b, m, 0.0, "b")
     high = bound(c, m, np.inf, "c")
-    start = vector(problem.x0 if x0 is None else x0, n, "x0")
+    start = problem._start(x0)
     handle, interrupt = problem._work(
         _library.lib.perp_vi,
         ctypes.byref(rows),
         *(None if side is None or not m else address(side) for side in (low, high)),
-        address(start),
+        None if start is None else address(start),
         solver=solver_of(asked(method, options, more)),
         listeners=listeners_of(None, None),
     )
