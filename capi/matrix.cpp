@@ -174,23 +174,30 @@ Matrix compressed(const perp_matrix& given, const char* name, bool pattern) {
 Matrix dense_values(const perp_matrix& given, const char* name) {
   const Index rows = given.rows, columns = given.columns;
   if (rows * columns > 0 && given.value == nullptr) refuse(name, "value is NULL");
-  const auto at = [&](Index i, Index j) { return given.value[by_rows(given) ? i * columns + j : i + j * rows]; };
+  const Index down = by_rows(given) ? columns : 1, right = by_rows(given) ? 1 : rows;
+  const Eigen::Map<const Vec> values(given.value, rows * columns);
+  if (!values.allFinite())
+    for (Index j = 0; j < columns; ++j)
+      for (Index i = 0; i < rows; ++i)
+        if (const double a = values[i * down + j * right]; !std::isfinite(a))
+          refuse(name, fmt::format("entry [{}, {}] is {}, no finite number", i, j, a));
+  const Index count = (values.array() != 0).count();
+  check_size(count, name);
   Matrix matrix;
   SpMat& M = matrix.entries;
   M.resize(rows, columns);
-  Index count = 0;
-  for (Index k = 0; k < rows * columns; ++k) count += given.value[k] != 0 ? 1 : 0;
-  check_size(count, name);
-  M.reserve(count);
+  M.resizeNonZeros(count + 1);  // the last entry may be followed by zeros, which are written and left behind
+  Index k = 0;
   for (Index j = 0; j < columns; ++j) {
-    M.startVec(j);
     for (Index i = 0; i < rows; ++i) {
-      const double a = at(i, j);
-      if (!std::isfinite(a)) refuse(name, fmt::format("entry [{}, {}] is {}, no finite number", i, j, a));
-      if (a != 0) M.insertBack(i, j) = a;
+      const double a = values[i * down + j * right];
+      M.valuePtr()[k] = a;
+      M.innerIndexPtr()[k] = static_cast<int>(i);
+      k += a != 0 ? 1 : 0;
     }
+    M.outerIndexPtr()[j + 1] = static_cast<int>(k);
   }
-  M.finalize();
+  M.resizeNonZeros(count);
   return matrix;
 }
 

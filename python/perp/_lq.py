@@ -15,6 +15,8 @@ from perp._result import Shown
 from perp._types import Array, Bound, Options
 from perp._vi import ViResult, vi
 
+_EPS = float(np.finfo(float).eps)
+
 
 @dataclass(frozen=True, eq=False)
 class LqEquilibrium(Shown):
@@ -69,15 +71,22 @@ def lq_game(
     n, players = sum(sizes), len(sizes)
     if not players or min(sizes) < 1 or len(Q) != players or len(c) != players:
         refuse("sizes", f"has {players} players, and must have as many as Q, {len(Q)}, and c, {len(c)}, with a variable each")
-    G, g, convex, begin = np.empty((n, n)), np.empty(n), [], 0
+    G, g, begin = np.empty((n, n)), np.empty(n), 0
+    blocks: dict[int, list[tuple[int, Array]]] = {}  # of players with so many variables, who they are and their own blocks
     for i, size in enumerate(sizes):
         own = slice(begin, begin + size)
         Qi, ci = _shaped(Q[i], (n, n), f"Q[{i}]"), _shaped(c[i], (n,), f"c[{i}]")
-        G[own] = 0.5 * (Qi[own] + Qi[:, own].T)
+        np.add(Qi[own], Qi[:, own].T, out=G[own])
         g[own] = ci[own]
-        least = np.linalg.eigvalsh(G[own, own])[0]
-        convex.append(bool(least >= -4 * size * np.finfo(float).eps * np.abs(G[own, own]).sum(axis=0).max()))
+        blocks.setdefault(size, []).append((i, G[own, own]))
         begin += size
+    G *= 0.5
+    convex = [False] * players
+    for size, of in blocks.items():
+        together = np.stack([block for _, block in of])
+        rounding = 4 * size * _EPS * np.abs(together).sum(axis=1).max(axis=1)
+        for (i, _), sure in zip(of, (np.linalg.eigvalsh(together)[:, 0] >= -rounding).tolist()):
+            convex[i] = sure
     shared, right = _rows(A, b, n, "A", "b")
     equal, equal_right = _rows(Aeq, beq, n, "Aeq", "beq")
     rows = np.vstack([shared, equal])
