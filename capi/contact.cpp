@@ -41,28 +41,31 @@ void put(double* all, std::size_t k, const Vec& one) {
   if (all != nullptr) std::ranges::copy(one, all + k * static_cast<std::size_t>(one.size()));
 }
 
-/// d n.
-Index size_of(std::int32_t dimension, std::int64_t contacts) {
-  if (dimension != 2 && dimension != 3) refuse("dimension", std::to_string(dimension) + " is neither 2 nor 3");
+/// d n, d one of these two.
+Index size_of(std::int32_t dimension, std::int64_t contacts, std::int32_t plane = 2, std::int32_t space = 3) {
+  if (dimension != plane && dimension != space)
+    refuse("dimension", fmt::format("{} is neither {} nor {}", dimension, plane, space));
   check_size(contacts, "contacts");
   check_size(dimension * contacts, "contacts");
   return dimension * contacts;
 }
 
-Vec friction(const double* mu, std::int64_t contacts) {
-  Vec copy = vector_of(mu, contacts, "mu");
+Vec friction(const double* mu, std::int64_t contacts, const char* name = "mu") {
+  Vec copy = vector_of(mu, contacts, name);
   for (Index a = 0; a < contacts; ++a)
-    if (copy[a] < 0) refuse("mu", fmt::format("entry [{}] is {}, negative", a, copy[a]));
+    if (copy[a] < 0) refuse(name, fmt::format("entry [{}] is {}, negative", a, copy[a]));
   return copy;
 }
 
+/// `mu_r`: NULL without rolling friction.
 contact::Problem local(std::int32_t dimension, std::int64_t contacts, const perp_matrix* W, const double* q,
-                       const double* mu) {
-  const Index size = size_of(dimension, contacts);
+                       const double* mu, const double* mu_r = nullptr) {
+  const Index size = mu_r == nullptr ? size_of(dimension, contacts) : size_of(dimension, contacts, 3, 5);
   contact::Problem problem{.dimension = dimension};
   problem.W = std::move(matrix_of(W, "W", size, size).entries);
   problem.q = vector_of(q, size, "q");
   problem.mu = friction(mu, contacts);
+  if (mu_r != nullptr) problem.mu_r = friction(mu_r, contacts, "mu_r");
   contact::check(problem);
   return problem;
 }
@@ -131,6 +134,16 @@ int32_t perp_contact_create(int32_t interface_, int32_t dimension, int64_t conta
   });
 }
 
+int32_t perp_contact_create_rolling(int32_t interface_, int32_t dimension, int64_t contacts, const perp_matrix* W,
+                                    const double* q, const double* mu, const double* mu_r, perp_contact** contact,
+                                    perp_error* error) {
+  return guarded_make(contact, "contact", error, [&] {
+    require_interface(interface_);
+    require(mu_r, "mu_r");
+    return handle(local(dimension, contacts, W, q, mu, mu_r));
+  });
+}
+
 int32_t perp_contact_condense(int32_t interface_, int32_t dimension, int64_t contacts, const perp_matrix* M,
                               const perp_matrix* H, const double* f, const double* w, const double* mu,
                               perp_contact** contact, perp_error* error) {
@@ -190,6 +203,9 @@ const double* perp_contact_q(const perp_contact* contact) {
 }
 const double* perp_contact_mu(const perp_contact* contact) {
   return contact == nullptr ? nullptr : contact->problem.mu.data();
+}
+const double* perp_contact_mu_r(const perp_contact* contact) {
+  return contact == nullptr || contact->problem.mu_r.size() == 0 ? nullptr : contact->problem.mu_r.data();
 }
 
 const char* perp_contact_name(const perp_contact* contact) {

@@ -418,6 +418,11 @@ typedef struct perp_contact perp_contact;
 /** W d n x d n [1/kg], q d n [m/s], mu n coefficients >= 0, n = contacts, d = 2 or 3. */
 int32_t perp_contact_create(int32_t interface_, int32_t dimension, int64_t contacts, const perp_matrix* W,
                             const double* q, const double* mu, perp_contact** contact, perp_error* error);
+/** With rolling friction: d = 3 in 2D, (N, T, R), and 5 in 3D, (N, T1, T2, R1, R2), mu_r n coefficients [m] >= 0, and
+ *  K_mu = {r : |r_T| <= mu r_N, |m_R| <= mu_r r_N}, u + (mu |u_T| + mu_r |w_R|) e_N in K*_mu. */
+int32_t perp_contact_create_rolling(int32_t interface_, int32_t dimension, int64_t contacts, const perp_matrix* W,
+                                    const double* q, const double* mu, const double* mu_r, perp_contact** contact,
+                                    perp_error* error);
 /** Of the bodies' velocities v, m entries: M v = H r + f, u = H' v + w. M m x m [kg], positive definite, H m x d n,
  *  f m [N s], w d n [m/s]. W = H' M^-1 H, q = H' M^-1 f + w. */
 int32_t perp_contact_condense(int32_t interface_, int32_t dimension, int64_t contacts, const perp_matrix* M,
@@ -431,13 +436,13 @@ int32_t perp_contact_scene(int32_t interface_, const char* scene, int64_t contac
                            perp_contact** contact, perp_error* error);
 void perp_contact_free(perp_contact* contact);
 
-/** d, entries of a contact in q, r and u: 2 or 3; with rolling friction, of files that have it, 3 in 2D and 5 in 3D.
- *  0 of NULL. */
+/** d, entries of a contact in q, r and u: 2 or 3; with rolling friction 3 in 2D and 5 in 3D. 0 of NULL. */
 int32_t perp_contact_dimension(const perp_contact* contact);
 int64_t perp_contact_contacts(const perp_contact* contact); /**< 0 of NULL */
 const char* perp_contact_name(const perp_contact* contact); /**< "" of NULL */
 const double* perp_contact_q(const perp_contact* contact);
 const double* perp_contact_mu(const perp_contact* contact);
+const double* perp_contact_mu_r(const perp_contact* contact); /**< NULL without rolling friction */
 /** W by columns with indices of 32 bits, in the library's own arrays, which live as long as the problem. Of bodies it
  * is formed here. */
 int32_t perp_contact_W(const perp_contact* contact, perp_matrix* W, perp_error* error);

@@ -129,6 +129,7 @@ _QUICK = {
     "perp_contact_name": (_T, [_V]),
     "perp_contact_q": (_V, [_V]),
     "perp_contact_mu": (_V, [_V]),
+    "perp_contact_mu_r": (_V, [_V]),
 }
 #: Functions that work: other threads of Python go on.
 _LONG = {
@@ -151,6 +152,7 @@ _LONG = {
     "perp_dense_solve": (_I, [_V, _N, _V, _V, _V, _V, c_double, _V, _V, _V, _V]),
     "perp_explain": (_I, [_V, _V, _V, c_double, _V, _V]),
     "perp_contact_create": (_I, [_I, _I, _N, _V, _V, _V, _V, _V]),
+    "perp_contact_create_rolling": (_I, [_I, _I, _N, _V, _V, _V, _V, _V, _V]),
     "perp_contact_condense": (_I, [_I, _I, _N, _V, _V, _V, _V, _V, _V, _V]),
     "perp_contact_read": (_I, [_I, _T, _V, _V]),
     "perp_contact_scene": (_I, [_I, _T, _N, _N, _V, _V]),

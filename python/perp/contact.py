@@ -3,8 +3,8 @@
 
     u = W r + q,   K*_mu > u + mu |u_T| e_N  _|_  r in K_mu,   K_mu = {r : |r_T| <= mu r_N}
 
-contact by contact. Block a of r, u, q has d = 2 or 3 entries, the normal one first. Impulses r [N s], velocities
-u [m/s], W [1/kg].
+contact by contact. Block a of r, u, q has d = 2 or 3 entries, the normal one first; with rolling friction, of
+coefficients mu_r [m], d = 3 in 2D and 5 in 3D, the rolling ones last. Impulses r [N s], velocities u [m/s], W [1/kg].
 """
 
 from __future__ import annotations
@@ -129,6 +129,12 @@ class Problem:
     def mu(self) -> Array:
         """Shape (k,)."""
         return view(_library.lib.perp_contact_mu(self._handle.pointer), self.contacts).copy()
+
+    @property
+    def mu_r(self) -> Array | None:
+        """Shape (k,); None without rolling friction."""
+        values = _library.lib.perp_contact_mu_r(self._handle.pointer)
+        return view(values, self.contacts).copy() if values else None
 
     def __repr__(self) -> str:
         return f"<perp.contact.Problem {self.name}: {self.contacts} contacts of {self.dimension} entries>"
@@ -272,23 +278,27 @@ class Batch:
         return BatchResult(r, u, status == 0, names_of(status), residual)
 
 
-def problem(W: Matrix, q: npt.ArrayLike, mu: npt.ArrayLike) -> Problem:
-    """The problem of W, q and mu, for solving it more than once; arguments as of `solve`."""
-    shift, friction = vector(q, -1, "q"), vector(mu, -1, "mu")
-    k = len(friction)
-    if len(shift) not in (2 * k, 3 * k):
-        refuse("q", f"has {len(shift)} entries, and must have 2 or 3 for each of the {k} contacts of mu")
+def problem(W: Matrix, q: npt.ArrayLike, mu: npt.ArrayLike, mu_r: npt.ArrayLike | None = None) -> Problem:
+    """The problem of W, q and mu, for solving it more than once; arguments as of `solve`. With mu_r, shape (k,), of
+    contacts with rolling friction."""
+    shift, friction = vector(q, -1, "q"), [vector(mu, -1, "mu")]
+    k = len(friction[0])
+    if mu_r is not None:
+        friction.append(vector(mu_r, k, "mu_r"))
+    plane, space = (2, 3) if mu_r is None else (3, 5)
+    if len(shift) not in (plane * k, space * k):
+        refuse("q", f"has {len(shift)} entries, and must have {plane} or {space} for each of the {k} contacts of mu")
     entries, kept = matrix(W, "W", len(shift), len(shift))
     lib = _library.lib
     handle = made(
-        lib.perp_contact_create,
+        lib.perp_contact_create if mu_r is None else lib.perp_contact_create_rolling,
         lib.Contact,
         INTERFACE,
         len(shift) // k,
         k,
         ctypes.byref(entries),
         address(shift),
-        address(friction),
+        *(address(one) for one in friction),
     )
     del kept
     return Problem(handle)
@@ -300,12 +310,14 @@ def solve(
     mu: npt.ArrayLike,
     variant: str = "glocker",
     *,
+    mu_r: npt.ArrayLike | None = None,
     r0: npt.ArrayLike | None = None,
     options: Options | None = None,
     **more: Any,
 ) -> Result:
-    """Solves the contact problem of W, shape (d k, d k), dense or scipy.sparse, q, shape (d k,), and mu, shape (k,)."""
-    return problem(W, q, mu).solve(variant, r0=r0, options=options, **more)
+    """Solves the contact problem of W, shape (d k, d k), dense or scipy.sparse, q, shape (d k,), and mu, shape (k,),
+    with rolling friction also mu_r, shape (k,)."""
+    return problem(W, q, mu, mu_r).solve(variant, r0=r0, options=options, **more)
 
 
 def read(path: Path) -> Problem:

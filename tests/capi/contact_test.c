@@ -65,6 +65,31 @@ static void given_as_W(void) {
   CHECK(contact == NULL);
 }
 
+/* Moments 4 / 5 kg m^2 besides, and q_R = (3, -4), of which mu_r r_N = 0.6 stops a part: it rolls on. */
+static void rolls(void) {
+  const int32_t start[] = {0, 1, 2, 3, 4, 5};
+  const int32_t row[] = {0, 1, 2, 3, 4};
+  const double value[] = {0.5, 0.5, 0.5, 1.25, 1.25};
+  const double rolling_q[] = {-3, 0.6, -0.8, 3, -4};
+  const double mu_r[] = {0.1};
+  const perp_matrix W = csc32(5, start, row, value);
+  perp_contact* contact = NULL;
+  perp_result* result = NULL;
+  OK(perp_contact_create_rolling(PERP_INTERFACE, 5, 1, &W, rolling_q, mu, mu_r, &contact, &error));
+  CHECK(perp_contact_dimension(contact) == 5 && perp_contact_mu_r(contact)[0] == 0.1);
+  OK(perp_contact_solve(NULL, contact, NULL, NULL, &result, &error));
+  CHECK_SAYING(solved(result), perp_result_text(result, "message", 0));
+  CHECK_NEAR(perp_result_reals(result, "r")[3], -0.36, 1e-6);
+  CHECK(perp_result_cells(result, "states")[0] == PERP_ROLL);
+  perp_result_free(result);
+  perp_contact_free(contact);
+  REFUSED(perp_contact_create_rolling(PERP_INTERFACE, 2, 1, &W, rolling_q, mu, mu_r, &contact, &error),
+          PERP_BAD_ARGUMENT, "dimension: 2 is neither 3 nor 5");
+  REFUSED(perp_contact_create_rolling(PERP_INTERFACE, 5, 1, &W, rolling_q, mu, NULL, &contact, &error),
+          PERP_BAD_ARGUMENT, "mu_r: is NULL");
+  CHECK(contact == NULL);
+}
+
 /* M = 2 I, H = I: W = I / 2; f = 0, w = q. */
 static void given_as_bodies(void) {
   const int64_t start[] = {0, 1, 2, 3};
@@ -224,6 +249,7 @@ int main(void) {
   derivatives();
   scenes();
   given_as_W();
+  rolls();
   given_as_bodies();
   from_a_file();
   return failed_checks == 0 ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -28,6 +28,20 @@ def test_two_dimensions_and_an_open_contact():
     assert r.states == ["open"] and np.abs(r.r).max() <= 1e-8
 
 
+def test_a_ball_rolls_on():
+    """2 kg and 4/5 kg m^2: r_N = 6, friction holds the slide, and mu_r r_N = 0.6 stops a part of q_R = (3, -4)."""
+    W, q = np.diag([0.5, 0.5, 0.5, 1.25, 1.25]), [-3, 0.6, -0.8, 3, -4]
+    problem = perp.contact.problem(W, q, [0.4], [0.1])
+    assert problem.dimension == 5 and problem.mu_r[0] == 0.1
+    r = problem.solve()
+    assert r.success and r.states == ["roll"]
+    assert np.abs(r.r - [6, -1.2, 1.6, -0.36, 0.48]).max() <= 1e-6
+    assert perp.contact.solve(W[::2, ::2], [-3, 0.6, 0], [0.4], mu_r=[0.1]).success
+    assert perp.contact.problem(np.eye(3), [-1, 0, 0], [0.5]).mu_r is None
+    with pytest.raises(ValueError, match="3 or 5"):
+        perp.contact.problem(np.eye(2), [-1, 0], [0.5], [0.1])
+
+
 def test_variants_and_the_judge():
     problem = perp.contact.problem(np.eye(3), [-1.0, 0.9, 0.0], [0.5])
     assert (problem.dimension, problem.contacts) == (3, 1)
