@@ -111,20 +111,6 @@ SpMat to_sparse(const FclibMatrix& stored, Index rows, Index columns) {
   return Entries(stored).matrix();
 }
 
-FclibMatrix to_fclib(const SpMat& A) {
-  FclibMatrix out{.m = A.rows(), .n = A.cols(), .nzmax = A.nonZeros()};
-  out.p.push_back(0);
-  out.x.resize(A.nonZeros());
-  for (Index j = 0; j < A.cols(); ++j) {
-    for (SpMat::InnerIterator it(A, j); it; ++it) {
-      out.x[static_cast<Index>(out.i.size())] = it.value();
-      out.i.push_back(it.row());
-    }
-    out.p.push_back(static_cast<long long>(out.i.size()));
-  }
-  return out;
-}
-
 void check(const FclibPoint& point, const Problem& problem) {
   const auto part = [](const char* name, const Vec& v, Index size) {
     if (v.size() > 0 && size >= 0 && v.size() != size)
@@ -289,15 +275,15 @@ Fclib read_all(std::string_view content) {
 
 // --- writing ---------------------------------------------------------------------------------------------------------
 
+/// By its columns, which are compressed.
 void write_matrix(Hdf5Writer& out, const std::string& path, const SpMat& A) {
-  const FclibMatrix stored = to_fclib(A);
-  out.integers(path + "/m", {stored.m});
-  out.integers(path + "/n", {stored.n});
-  out.integers(path + "/nzmax", {stored.nzmax});
-  out.integers(path + "/nz", {stored.nz});
-  out.integers(path + "/p", stored.p);
-  out.integers(path + "/i", stored.i);
-  out.numbers(path + "/x", stored.x);
+  out.integers(path + "/m", {A.rows()});
+  out.integers(path + "/n", {A.cols()});
+  out.integers(path + "/nzmax", {A.nonZeros()});
+  out.integers(path + "/nz", {-1});
+  out.integers(path + "/p", {A.outerIndexPtr(), A.outerIndexPtr() + A.cols() + 1});
+  out.integers(path + "/i", {A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros()});
+  out.numbers(path + "/x", Eigen::Map<const Vec>(A.valuePtr(), A.nonZeros()));
 }
 
 void write_problem(Hdf5Writer& out, const Fclib& file, bool global) {

@@ -4,36 +4,29 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
-
-#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
 
-void check_rod(const char* field, double value, bool valid, const char* range) {
-  if (valid && std::isfinite(value)) return;
-  refuse_input("elastic rod: ", field, " is ", value, "; it must be ", range);
-}
-
 void check(const ElasticRod& rod, const Motion& at) {
-  check_rod("nodes", static_cast<double>(rod.nodes), rod.nodes >= 2, "at least 2");
-  check_rod("length", rod.length, rod.length > 0, "positive");
-  check_rod("mass", rod.mass, rod.mass > 0, "positive");
-  check_rod("stretching", rod.stretching, rod.stretching >= 0, "at least 0");
-  check_rod("hardening", rod.hardening, rod.hardening >= 0, "at least 0");
-  check_rod("bending", rod.bending, rod.bending >= 0, "at least 0");
-  check_rod("damping", rod.damping, rod.damping >= 0, "at least 0");
-  check_rod("mu", rod.mu, rod.mu >= 0, "at least 0");
-  check_rod("gravity", rod.gravity, true, "finite");
-  check_rod("press", rod.press, true, "finite");
-  check_rod("push", rod.push.sum(), rod.push.allFinite(), "finite");
-  check_rod("h", rod.h, rod.h > 0, "positive");
-  check_rod("theta", rod.theta, rod.theta >= 0.5 && rod.theta <= 1, "in [1/2, 1]");
-  for (const Vec* part : {&at.x, &at.v})
-    if (part->size() != 3 * rod.nodes || !part->allFinite())
-      refuse_input("elastic rod: the motion has ", part->size(), " entries, or some that are not finite; ", rod.nodes,
-                   " nodes have ", 3 * rod.nodes);
+  const auto field = [](const char* name, double value, bool valid, const char* range) {
+    check_field("elastic rod", name, value, valid, range);
+  };
+  field("nodes", static_cast<double>(rod.nodes), rod.nodes >= 2, "at least 2");
+  for (const auto& [name, value] : {std::pair{"length", rod.length}, {"mass", rod.mass}, {"h", rod.h}})
+    field(name, value, value > 0, "positive");
+  for (const auto& [name, value] : {std::pair{"stretching", rod.stretching},
+                                    {"hardening", rod.hardening},
+                                    {"bending", rod.bending},
+                                    {"damping", rod.damping},
+                                    {"mu", rod.mu}})
+    field(name, value, value >= 0, "at least 0");
+  for (const auto& [name, value] : {std::pair{"gravity", rod.gravity}, {"press", rod.press}, {"push", rod.push.sum()}})
+    field(name, value, true, "finite");
+  field("theta", rod.theta, rod.theta >= 0.5 && rod.theta <= 1, "in [1/2, 1]");
+  check_motion("elastic rod", at, 3 * rod.nodes);
 }
 
 /// R of the header.
@@ -115,9 +108,7 @@ NonlinearProblem ElasticRod::step(const Motion& at, Derivative derivative) const
   return problem;
 }
 
-Motion ElasticRod::moved(const Motion& at, In v) const {
-  return {.x = at.x + h * (theta * v + (1 - theta) * at.v), .v = v};
-}
+Motion ElasticRod::moved(const Motion& at, In v) const { return moved_by(at, v, h, theta); }
 
 double ElasticRod::elastic_energy(const Motion& at) const {
   double energy = 0;

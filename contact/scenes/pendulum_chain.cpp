@@ -3,32 +3,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
-
-#include "lcp/words.hpp"
 
 namespace perp::contact {
 namespace {
 
-void check_field(const char* field, double value, bool valid, const char* range) {
-  if (valid && std::isfinite(value)) return;
-  refuse_input("pendulum chain: ", field, " is ", value, "; it must be ", range);
-}
-
 void check(const PendulumChain& chain, const Motion& at) {
-  check_field("links", static_cast<double>(chain.links), chain.links >= 1, "at least 1");
-  check_field("length", chain.length, chain.length > 0, "positive");
-  check_field("mass", chain.mass, chain.mass > 0, "positive");
-  check_field("floor", chain.floor, true, "finite");
-  check_field("mu", chain.mu, chain.mu >= 0, "at least 0");
-  check_field("e", chain.e, chain.e >= 0 && chain.e <= 1, "in [0, 1]");
-  check_field("gravity", chain.gravity, true, "finite");
-  check_field("h", chain.h, chain.h > 0, "positive");
-  check_field("theta", chain.theta, chain.theta >= 0.5 && chain.theta <= 1, "in [1/2, 1]");
-  for (const Vec* part : {&at.x, &at.v})
-    if (part->size() != chain.links || !part->allFinite())
-      refuse_input("pendulum chain: the motion has ", part->size(), " entries, or some that are not finite; there are ",
-                   chain.links, " links");
+  const auto field = [](const char* name, double value, bool valid, const char* range) {
+    check_field("pendulum chain", name, value, valid, range);
+  };
+  field("links", static_cast<double>(chain.links), chain.links >= 1, "at least 1");
+  for (const auto& [name, value] : {std::pair{"length", chain.length}, {"mass", chain.mass}, {"h", chain.h}})
+    field(name, value, value > 0, "positive");
+  for (const auto& [name, value] : {std::pair{"floor", chain.floor}, {"gravity", chain.gravity}})
+    field(name, value, true, "finite");
+  field("mu", chain.mu, chain.mu >= 0, "at least 0");
+  field("e", chain.e, chain.e >= 0 && chain.e <= 1, "in [0, 1]");
+  field("theta", chain.theta, chain.theta >= 0.5 && chain.theta <= 1, "in [1/2, 1]");
+  check_motion("pendulum chain", at, chain.links);
 }
 
 /// R of the header.
@@ -93,9 +86,7 @@ NonlinearProblem PendulumChain::step(const Motion& at, Derivative derivative) co
   return problem;
 }
 
-Motion PendulumChain::moved(const Motion& at, In v) const {
-  return {.x = at.x + h * (theta * v + (1 - theta) * at.v), .v = v};
-}
+Motion PendulumChain::moved(const Motion& at, In v) const { return moved_by(at, v, h, theta); }
 
 double PendulumChain::energy(const Motion& at) const {
   double sum = 0;
