@@ -38,7 +38,7 @@ class ConvexContact {
     Vec x(z.size());
     for (int k = 1; k <= method_.inner_iterations; ++k) {
       if (trial_.over() || (!factored_ && !factor())) return false;
-      ++trial_.effort.sweeps;
+      ++trial_.stats.sweeps;
       solve(rho_ * (z - y_) - q_s, x);
       const Vec mixed = method_.relaxation * x + (1 - method_.relaxation) * z;
       const Vec before = z;
@@ -58,7 +58,7 @@ class ConvexContact {
   bool factor() {
     const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
     const std::size_t contacts = problem_.blocks.size();
-    ++trial_.effort.factorizations;
+    ++trial_.stats.factorizations;
     factored_ = system_.factor(std::vector<Eigen::Matrix3d>(contacts, rho_ * I),
                                std::vector<Eigen::Matrix3d>(contacts, I / rho_));
     return factored_;

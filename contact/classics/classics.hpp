@@ -4,6 +4,7 @@
 /// works in the coordinates of contact/model/scaling.hpp, where mu = 1, makes iterates until the judge accepts one or a
 /// limit is met, and says nothing of them itself. `max_iterations` counts the outermost loop. Those of first order have
 /// a limit so high that the time limit ends them.
+#include <chrono>
 #include <string>
 #include <tuple>
 #include <type_traits>
@@ -16,6 +17,18 @@
 #include "lcp/fields.hpp"
 
 namespace perp::contact {
+
+/// What a solve has spent.
+struct Stats {
+  int iterations = 0;       ///< homotopy steps, or iterations of the ncp method or of a classic
+  int sweeps = 0;           ///< over all contacts; of Cadoux iterations of ADMM
+  int newton_steps = 0;     ///< on Alart & Curnier's equation
+  int splitting_steps = 0;  ///< of Douglas & Rachford's splitting: a solve each
+  int proximal_steps = 0;   ///< moves of the proximal loop's centre
+  int attempts = 0;
+  int factorizations = 0;
+  std::chrono::duration<double> time{0};
+};
 
 class Trial;
 

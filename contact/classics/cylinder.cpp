@@ -50,7 +50,7 @@ void CylinderSweeps::solve(CylinderPart part, const Vec& theta, const CylinderLi
   MovingImpulses moving(problem_, r, u);
   for (int k = 0; k < limits.sweeps && !trial_.over(); ++k) {
     const double change = sweep(part, theta, r, moving);
-    ++trial_.effort.sweeps;
+    ++trial_.stats.sweeps;
     if (!(change > std::max(limits.change, rounding_share * r.norm()))) break;
   }
   moving.finish();

@@ -11,18 +11,22 @@
 namespace perp::contact {
 namespace {
 
-/// Of W + alpha I, one after another until the matrix can be factored.
-constexpr std::array newton_alphas{0.0, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2};
+/// Of W + alpha I, one after another until there is a direction.
+constexpr std::array newton_alphas{1e-10, 1e-8, 1e-6, 1e-4, 1e-2};
 
-/// A direction by bodies with a larger residual, relative to its right side, is none: (A + alpha B)^-1 has taken its
-/// digits.
+/// A direction with a larger residual, relative to its right side, is none: the matrix is singular, or (A + alpha B)^-1
+/// has taken its digits.
 constexpr double direction_tol = 1e-6;
 
 template <int Size>
 class NewtonRun {
  public:
   NewtonRun(Trial& trial, const Scaled& problem, const NewtonOptions& options, const RowsOfContacts<Size>& rows_of)
-      : trial_(trial), problem_(problem), options_(options), rows_of_(rows_of), matrix_(problem) {}
+      : trial_(trial),
+        problem_(problem),
+        options_(options),
+        rows_of_(rows_of),
+        matrix_(problem, lcp::LuBackend::General) {}
 
   void run(Vec r) {
     Vec u = problem_.W * r + problem_.q;
@@ -40,11 +44,10 @@ class NewtonRun {
  private:
   bool direction(const NewtonSystemOf<Size>& system) {
     for (const double alpha : newton_alphas) {
-      if (alpha == 0 && matrix_.by_bodies()) continue;
-      ++trial_.effort.factorizations;
+      ++trial_.stats.factorizations;
       alpha_ = alpha;
       if (trial_.over()) return false;
-      if (matrix_.factor(system.rows, alpha) && matrix_.solve(system.c, d_)) return true;
+      if (newton_direction(problem_, matrix_, system, alpha, d_)) return true;
     }
     return false;
   }
@@ -76,7 +79,7 @@ class NewtonRun {
   const Scaled& problem_;
   const NewtonOptions& options_;
   const RowsOfContacts<Size>& rows_of_;
-  NewtonMatrix<Size> matrix_;
+  ContactSystemOf<Size> matrix_;
   Vec d_;
   double alpha_ = 0;
 };
@@ -129,34 +132,17 @@ template NewtonSystemOf<3> newton_system<3>(const Scaled&, const RowsOfContacts<
 template NewtonSystemOf<5> newton_system<5>(const Scaled&, const RowsOfContacts<5>&, In, In);
 
 template <int Size>
-NewtonMatrix<Size>::NewtonMatrix(const Scaled& problem) : problem_(problem), lu_(lcp::LuBackend::General) {
-  if (problem.W.whole_parts() != nullptr)
-    bodies_ = std::make_unique<ContactSystemOf<Size>>(problem, lcp::LuBackend::General);
-  else
-    K_ = problem.W.matrix();
+bool newton_direction(const Scaled& problem, ContactSystemOf<Size>& matrix, const NewtonSystemOf<Size>& system,
+                      double alpha, Vec& d) {
+  std::vector<RowsOfSize<Size>> rows = system.rows;
+  for (RowsOfSize<Size>& of : rows) of.A += alpha * of.B;
+  if (!matrix.factor(rows)) return false;
+  matrix.solve(system.c, d);
+  return (system.c - product(problem, rows, d)).norm() <= direction_tol * system.c.norm();
 }
 
-template <int Size>
-bool NewtonMatrix<Size>::factor(const std::vector<RowsOfSize<Size>>& rows, double alpha) {
-  if (!bodies_) {
-    contact_matrix(problem_, rows, alpha, K_);
-    return lu_.factor(K_) == lcp::LuStatus::Ok;
-  }
-  rows_ = rows;
-  for (RowsOfSize<Size>& of : rows_) of.A += alpha * of.B;
-  return bodies_->factor(rows_);
-}
-
-template <int Size>
-bool NewtonMatrix<Size>::solve(In c, Vec& d) {
-  d.resize(c.size());
-  if (!bodies_) {
-    lu_.solve(c, d);
-    return d.allFinite();
-  }
-  bodies_->solve(c, d);
-  return (c - product(problem_, rows_, d)).norm() <= direction_tol * c.norm();
-}
+template bool newton_direction<3>(const Scaled&, ContactSystemOf<3>&, const NewtonSystemOf<3>&, double, Vec&);
+template bool newton_direction<5>(const Scaled&, ContactSystemOf<5>&, const NewtonSystemOf<5>&, double, Vec&);
 
 template <int Size>
 void newton(Trial& trial, const Scaled& problem, const NewtonOptions& options, const RowsOfContacts<Size>& rows_of,
@@ -164,8 +150,6 @@ void newton(Trial& trial, const Scaled& problem, const NewtonOptions& options, c
   NewtonRun<Size>(trial, problem, options, rows_of).run(std::move(r));
 }
 
-template class NewtonMatrix<3>;
-template class NewtonMatrix<5>;
 template void newton<3>(Trial&, const Scaled&, const NewtonOptions&, const RowsOfContacts<3>&, Vec);
 template void newton<5>(Trial&, const Scaled&, const NewtonOptions&, const RowsOfContacts<5>&, Vec);
 

@@ -5,7 +5,6 @@
 ///     (A + B W) d = -Phi(r),   A, B an element of the generalised Jacobian,   r + t d,   psi = |Phi|^2 / 2.
 #include <cmath>
 #include <functional>
-#include <memory>
 #include <type_traits>
 #include <vector>
 
@@ -41,30 +40,11 @@ template <int Size = 3>
 NewtonSystemOf<Size> newton_system(const Scaled& problem, const std::type_identity_t<RowsOfContacts<Size>>& rows_of,
                                    In r, In u);
 
-/// A + B (W + alpha I) and its factors.
-///  * Where W is given by entries, on their pattern.
-///  * Where W = H' M^-1 H is known by its parts, with factors of M + H (A + alpha B)^-1 B H'
-///    (contact/model/contact_system.hpp). Where contacts stick A is zero: there is no alpha = 0. No entry of W is
-///    formed, and a direction that leaves a residual is refused.
+/// d of (A + B (W + alpha I)) d = c, by factors of contact/model/contact_system.hpp. No entry of a W by its parts is
+/// formed; where contacts stick A is zero, so alpha > 0. False: the matrix has no factors, or d leaves a residual.
 template <int Size = 3>
-class NewtonMatrix {
- public:
-  /// `problem` outlives *this.
-  explicit NewtonMatrix(const Scaled& problem);
-
-  bool by_bodies() const { return bodies_ != nullptr; }
-  /// Whether there are factors. Pre: alpha is not 0 by bodies.
-  bool factor(const std::vector<RowsOfSize<Size>>& rows, double alpha);
-  /// Whether d solves the system of the last factors. Pre: there are some.
-  bool solve(In c, Vec& d);
-
- private:
-  const Scaled& problem_;
-  SpMat K_;  // by entries
-  lcp::SparseLu lu_;
-  std::unique_ptr<ContactSystemOf<Size>> bodies_;
-  std::vector<RowsOfSize<Size>> rows_;  // of bodies_, with alpha B in A
-};
+bool newton_direction(const Scaled& problem, ContactSystemOf<Size>& matrix, const NewtonSystemOf<Size>& system,
+                      double alpha, Vec& d);
 
 /// 1 / W_NN and 1 / mean(W_TT), one a contact; R: of its second disk.
 struct NewtonWeights {
@@ -90,8 +70,8 @@ struct NewtonOptions {
 };
 void describe(NewtonOptions& options, Fields& fields);
 
-/// Newton's method from r, judged after each step. Where the matrix is singular W + alpha I takes the place of W in it,
-/// alpha = 1e-10, 1e-8, .., 1e-2; from the beginning where W is by its parts. Ends where no alpha gives a step.
+/// Newton's method from r, judged after each step. W + alpha I takes the place of W, with the first alpha of 1e-10,
+/// 1e-8, .., 1e-2 that gives a direction. Ends where none does.
 template <int Size>
 void newton(Trial& trial, const Scaled& problem, const NewtonOptions& options, const RowsOfContacts<Size>& rows_of,
             Vec r);

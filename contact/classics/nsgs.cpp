@@ -26,7 +26,7 @@ void iterate(Trial& trial, const Scaled& problem, const Nsgs& method, const Vec&
   constexpr int refresh = 50;  // u is updated term by term, and drifts
   for (int k = 1; k <= method.max_iterations; ++k) {
     const double change = sweeps.sweep(r, u);
-    ++trial.effort.sweeps;
+    ++trial.stats.sweeps;
     if (trial.cheap_step(r, {}) || !std::isfinite(change)) return;
     if (k % refresh == 0) u = problem.W * r + problem.q;
     if (change == 0) break;

@@ -10,12 +10,12 @@ constexpr int proof_after = 1000;
 }  // namespace
 
 bool Trial::step(In r, const TrialStep& step) {
-  ++effort.iterations;
+  ++stats.iterations;
   return over() || judge_iterate(r, step);
 }
 
 bool Trial::cheap_step(In r, const TrialStep& step) {
-  const int k = ++effort.iterations;
+  const int k = ++stats.iterations;
   if (over()) return true;
   if ((k <= judged || k % judged == 0) && judge_iterate(r, step)) return true;
   return k == proof_after && no_solution();

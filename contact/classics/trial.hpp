@@ -4,16 +4,10 @@
 /// says that a point is solved. Private to contact/.
 #include <atomic>
 
+#include "contact/classics/classics.hpp"
 #include "contact/model/scaling.hpp"
 
 namespace perp::contact {
-
-/// What a method has spent.
-struct Effort {
-  int iterations = 0;      ///< of the method's outermost loop
-  int sweeps = 0;          ///< over all contacts
-  int factorizations = 0;  ///< of the method's matrices
-};
 
 /// A step, for the record.
 struct TrialStep {
@@ -37,7 +31,7 @@ class Trial {
   /// After a thousand a proof that there is no solution is asked for once.
   bool cheap_step(In r, const TrialStep& step);
 
-  Effort effort{};
+  Stats stats{};
 };
 
 }  // namespace perp::contact

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "contact/cones/predictor_corrector.hpp"
+#include "contact/model/unit_cone.hpp"
 #include "lcp/types.hpp"
 
 namespace perp::contact {
@@ -17,12 +18,6 @@ using Vector = Eigen::Vector3d;
 constexpr double cone_start = 10;
 constexpr double cone_to_boundary = 0.99;
 constexpr double cone_least_centring = 1e-6;
-
-/// x_N^2 - |x_T|^2: positive in the interior of K.
-double cone_det(const Vector& x) {
-  const double length = x.tail<2>().norm();
-  return (x[0] - length) * (x[0] + length);
-}
 
 /// a o b.
 Vector cone_product(const Vector& a, const Vector& b) {

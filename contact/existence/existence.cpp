@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "contact/existence/expansion.hpp"
+#include "contact/model/checks.hpp"
 #include "contact/model/contact_system.hpp"
 #include "contact/model/residual.hpp"
 #include "contact/model/scaling.hpp"
@@ -29,8 +30,6 @@ constexpr int look = 10;
 constexpr std::array margins{1.0, 0.1, 0.01, 0.001};
 /// Of the regularised equation W r' = ... that is tried before.
 constexpr std::array regularizations{1e-8, 1e-4, 1e-2};
-/// Contacts that a message names.
-constexpr std::size_t named = 6;
 
 /// D^-1/2 W D^-1/2 + (shift / 2) I, D the diagonal of W, without the rows that are zero; nothing if a diagonal entry
 /// forbids semidefiniteness.
@@ -248,17 +247,6 @@ class WitnessSearch {
   std::optional<Witness> found_;
 };
 
-/// "contact 3", "contacts 3 and 7", "contacts 1, 2, 3 and 9 more".
-std::string contacts_text(const std::vector<Index>& contacts) {
-  std::ostringstream text;
-  text << (contacts.size() == 1 ? "contact " : "contacts ");
-  const std::size_t shown = contacts.size() <= named ? contacts.size() : named - 1;
-  for (std::size_t k = 0; k < shown; ++k)
-    text << (k == 0 ? "" : k + 1 == contacts.size() ? " and " : ", ") << contacts[k] + 1;
-  if (shown < contacts.size()) text << " and " << contacts.size() - shown << " more";
-  return text.str();
-}
-
 }  // namespace
 
 std::string_view to_string(Existence existence) {
@@ -266,6 +254,12 @@ std::string_view to_string(Existence existence) {
   static constexpr std::pair<Existence, std::string_view> words[] = {
       {Undecided, "undecided"}, {Exists, "exists"}, {None, "none"}};
   return word_of(existence, words);
+}
+
+SearchLimits search_after(std::chrono::duration<double> spent, std::chrono::duration<double> of,
+                          const std::atomic<bool>* interrupt) {
+  constexpr std::chrono::duration<double> least{0.1};
+  return {.max_time = std::max(least, std::min(spent, of - spent)), .interrupt = interrupt};
 }
 
 std::optional<Witness> examine_witness(const Problem& problem, In r) {
@@ -306,7 +300,7 @@ Verdict verdict_of(const Problem& problem, Infeasible proof) {
     text << "no impulses";
   else
     text << "no impulses below " << proof.radius << " N s";
-  text << " keep " << contacts_text(contacts)
+  text << " keep " << contacts_text(contacts, 1)
        << (contacts.size() == 1 ? " from approaching, u_N <= " : " from approaching, y.u_N / max y <= ") << approach
        << " m/s for the certificate y";
   Verdict verdict{.existence = Existence::None};

@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "lcp/exact_sum.hpp"
+
 namespace perp::contact {
 
 /// More than the rounding of the few operations that follow exact sums, and less than the smallest normal number they
@@ -19,11 +21,9 @@ class Expansion {
   void add(double x) {
     std::size_t kept = 0;
     for (const double part : parts_) {
-      const double sum = x + part;
-      const double back = sum - x;
-      const double error = (x - (sum - back)) + (part - back);
-      if (error != 0) parts_[kept++] = error;
-      x = sum;
+      const lcp::TwoParts sum = lcp::two_sum(x, part);
+      if (sum.error != 0) parts_[kept++] = sum.error;
+      x = sum.value;
     }
     parts_.resize(kept);
     if (x != 0 || parts_.empty()) parts_.push_back(x);
@@ -31,11 +31,11 @@ class Expansion {
 
   void add_product(double a, double b) {
     if (a == 0 || b == 0) return;
-    const double product = a * b;
+    const lcp::TwoParts product = lcp::two_product(a, b);
     const bool whole = std::abs(b) < 0x1p53 && b == std::trunc(b);  // then no bit is below the smallest double
-    if (std::abs(product) < 0x1p-960 && !whole) lost_ += 0x1p-1073;
-    add(std::fma(a, b, -product));
-    add(product);
+    if (std::abs(product.value) < 0x1p-960 && !whole) lost_ += 0x1p-1073;
+    add(product.error);
+    add(product.value);
   }
 
   void add_product(const Expansion& a, const Expansion& b) {

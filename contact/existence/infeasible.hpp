@@ -56,6 +56,10 @@ struct SearchLimits {
   std::chrono::duration<double> max_time{1};
   const std::atomic<bool>* interrupt = nullptr;  ///< may be null
 };
+/// Limits of a search after a solve that has `spent` so much of its time: as much again, of what is left, and a tenth
+/// of a second at least.
+SearchLimits search_after(std::chrono::duration<double> spent, std::chrono::duration<double> of,
+                          const std::atomic<bool>* interrupt);
 
 /// Searches for a certificate with few contacts in it, in small whole numbers where those make it exact. Nothing: there
 /// is none, none was found, or a limit was reached. Memory is that of W, or of M and H and, with constraints, of at

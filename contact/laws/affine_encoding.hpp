@@ -31,7 +31,6 @@ class EncodingBuilder;
 class AffineEncoding {
  public:
   const lcp::AffineMcp& affine() const { return affine_; }
-  const Units& units() const { return units_; }
   Index contacts() const { return static_cast<Index>(first_.size()) - 1; }
   /// The first unknown of contact a, its r_N; those of a are first(a) .. first(a + 1) - 1.
   Index first(Index a) const { return first_[static_cast<std::size_t>(a)]; }

@@ -83,28 +83,12 @@ void add_contact(Encoding encoding, const Scaled::Block& block, int r, int z, Tr
   }
 }
 
-/// sigma_D with its derivatives, and c with its derivative by r_N.
-struct Disk {
-  double sigma, sigma_N, sigma_T1, sigma_T2;
-  double c, c_N;
-};
+using Disk = GlockerDisk;
 
 /// (50): sigma_D = r_N^2 - |r_T|^2, c = 2.
 Disk original_disk(double N, double T1, double T2) {
   const double T = T1 * T1 + T2 * T2;
   return {.sigma = N * N - T, .sigma_N = 2 * N, .sigma_T1 = -2 * T1, .sigma_T2 = -2 * T2, .c = 2, .c_N = 0};
-}
-
-/// Divided by g: sigma_D = g - |r_T|^2 / g, c = 2 / g.
-Disk normalised_disk(double delta, double N, double T1, double T2) {
-  const double T = T1 * T1 + T2 * T2;
-  const auto [g, slope] = smooth_normal(N, delta);
-  return {.sigma = g - T / g,
-          .sigma_N = slope * (1 + T / (g * g)),
-          .sigma_T1 = -2 * T1 / g,
-          .sigma_T2 = -2 * T2 / g,
-          .c = 2 / g,
-          .c_N = -2 * slope / (g * g)};
 }
 
 Disk disk_at(const GlockerOptions& law, double N, double T1, double T2) {

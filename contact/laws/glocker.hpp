@@ -59,7 +59,6 @@ class Glocker final : public ncp::Mcp {
 
   /// Changes F: for continuations, and for ncp::InteriorPoint::follow.
   void set_smoothing(double delta, double eps);
-  double delta() const { return options_.delta; }
 
   const Scaled& problem() const { return problem_; }
   /// Ones; r_T = 0 in encoding A.

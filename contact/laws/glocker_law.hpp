@@ -25,4 +25,21 @@ inline SmoothNormal smooth_normal(double r_N, double delta) {
   return {g, g / root};
 }
 
+/// sigma_D with its derivatives, and c with its derivative by r_N.
+struct GlockerDisk {
+  double sigma, sigma_N, sigma_T1, sigma_T2;
+  double c, c_N;
+};
+/// The row divided by g: sigma_D = g - |r_T|^2 / g, c = 2 / g.
+inline GlockerDisk normalised_disk(double delta, double N, double T1, double T2) {
+  const double T = T1 * T1 + T2 * T2;
+  const auto [g, slope] = smooth_normal(N, delta);
+  return {.sigma = g - T / g,
+          .sigma_N = slope * (1 + T / (g * g)),
+          .sigma_T1 = -2 * T1 / g,
+          .sigma_T2 = -2 * T2 / g,
+          .c = 2 / g,
+          .c_N = -2 * slope / (g * g)};
+}
+
 }  // namespace perp::contact

@@ -36,7 +36,6 @@ class Polygon {
   Polygon transformed(const Matrix& A) const;
 
   int dimension() const { return static_cast<int>(vertices_.rows()); }  ///< of the plane: 1 or 2
-  int facets() const { return static_cast<int>(vertices_.cols()); }     ///< K
   const Matrix& vertices() const { return vertices_; }                  ///< d_j, counterclockwise
   const Matrix& normals() const { return normals_; }                    ///< c_i; edge i joins d_i and d_{i+1}
 

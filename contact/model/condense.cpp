@@ -50,17 +50,6 @@ namespace {
       " (", lcp::to_string(of.status()), measured, ")");
 }
 
-/// Where each velocity is among those of the bodies that contacts touch, or -1. W and q need no others.
-std::vector<int> touched_velocities(const Inertia& inertia, const SpMat& H) {
-  std::vector<char> touched(at(inertia.bodies()), 0);
-  for (Index j = 0; j < H.cols(); ++j)
-    for (SpMat::InnerIterator it(H, j); it; ++it) touched[at(inertia.body_of()[at(it.row())])] = 1;
-  std::vector<int> place;
-  int count = 0;
-  for (const int body : inertia.body_of()) place.push_back(touched[at(body)] != 0 ? count++ : -1);
-  return place;
-}
-
 /// The rows of A that have a place, and of a square A the columns.
 SpMat at_places(const SpMat& A, const std::vector<int>& place, Index count, bool square) {
   SpMat out(count, square ? count : A.cols());
@@ -76,7 +65,7 @@ SpMat at_places(const SpMat& A, const std::vector<int>& place, Index count, bool
   return out;
 }
 
-/// W and q by the parts; false where M has no factors to rely on.
+/// W and q by the parts of the bodies that contacts touch; false where M has no factors to rely on.
 bool take_parts(const Global& g, Problem& p) {
   if (g.G.cols() != 0) return false;
   auto inertia = Inertia::of(g.M);

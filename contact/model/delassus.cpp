@@ -34,14 +34,31 @@ bool same_matrix(const SpMat& a, const SpMat& b) {
 
 }  // namespace
 
-SpMat normal_columns(const SpMat& A, int d) {
-  SpMat out(A.rows(), A.cols() / d);
-  for (Index a = 0; a < out.cols(); ++a) {
-    out.startVec(a);
-    for (SpMat::InnerIterator it(A, d * a); it; ++it) out.insertBack(it.row(), a) = it.value();
+SpMat columns_of(const SpMat& A, const std::vector<Index>& columns, In weights) {
+  SpMat out(A.rows(), weights.size());
+  out.reserve(A.nonZeros());
+  for (Index k = 0; k < weights.size(); ++k) {
+    out.startVec(k);
+    for (SpMat::InnerIterator it(A, columns[at(k)]); it; ++it) out.insertBack(it.row(), k) = weights[k] * it.value();
   }
   out.finalize();
   return out;
+}
+
+SpMat normal_columns(const SpMat& A, int d) {
+  std::vector<Index> normals;
+  for (Index j = 0; j < A.cols(); j += d) normals.push_back(j);
+  return columns_of(A, normals, Vec::Ones(static_cast<Index>(normals.size())));
+}
+
+std::vector<int> touched_velocities(const Inertia& inertia, const SpMat& H) {
+  std::vector<char> touched(at(inertia.bodies()), 0);
+  for (Index j = 0; j < H.cols(); ++j)
+    for (SpMat::InnerIterator it(H, j); it; ++it) touched[at(inertia.body_of()[at(it.row())])] = 1;
+  std::vector<int> place;
+  int count = 0;
+  for (const int body : inertia.body_of()) place.push_back(touched[at(body)] != 0 ? count++ : -1);
+  return place;
 }
 
 Vec free_squares(const Inertia& inertia, const SpMat& H) {
@@ -193,20 +210,10 @@ DelassusParts::DelassusParts(std::shared_ptr<const Inertia> inertia, SpMat H)
 DelassusParts::DelassusParts(const DelassusParts& of, double s, const std::vector<Index>& rows,
                              const std::vector<double>& weights)
     : inertia_(of.inertia_), s_(s * of.s_), M_(s * of.M_) {
-  const auto taken = [&](const SpMat& A, double divisor) {
-    SpMat out(A.rows(), static_cast<Index>(rows.size()));
-    out.reserve(A.nonZeros());
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      out.startVec(static_cast<Index>(k));
-      for (SpMat::InnerIterator it(A, rows[k]); it; ++it)
-        out.insertBack(it.row(), static_cast<Index>(k)) = weights[k] * it.value() / divisor;
-    }
-    out.finalize();
-    return out;
-  };
-  H_ = taken(of.H_, 1);
-  shares_ = taken(of.shares_, std::sqrt(s));
-  if (of.root_) root_ = std::make_unique<const SpMat>(taken(*of.root_, std::sqrt(s)));
+  const Eigen::Map<const Vec> all(weights.data(), static_cast<Index>(weights.size()));
+  H_ = columns_of(of.H_, rows, all);
+  shares_ = columns_of(of.shares_, rows, all) / std::sqrt(s);
+  if (of.root_) root_ = std::make_unique<const SpMat>(columns_of(*of.root_, rows, all) / std::sqrt(s));
   near_.assign(rows.size(), {});
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (std::size_t j = i; j < std::min(i + 3, rows.size()); ++j)
@@ -397,6 +404,22 @@ std::vector<std::vector<Index>> Delassus::groups(int d) const {
     groups[group].push_back(a);
   }
   return groups;
+}
+
+Delassus Delassus::part(const std::vector<Index>& rows) const {
+  if (whole_parts() != nullptr)
+    return Delassus(std::make_shared<const DelassusParts>(*parts_, 1, rows, std::vector<double>(rows.size(), 1)));
+  std::vector<int> place(at(this->rows()), -1);
+  for (std::size_t k = 0; k < rows.size(); ++k) place[at(rows[k])] = static_cast<int>(k);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t j = 0; j < rows.size(); ++j)
+    for (SpMat::InnerIterator it(matrix(), rows[j]); it; ++it)
+      if (const int row = place[at(it.row())]; row >= 0 && it.value() != 0)
+        entries.emplace_back(row, static_cast<int>(j), it.value());
+  const auto size = static_cast<Index>(rows.size());
+  SpMat out(size, size);
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
 }
 
 Eigen::MatrixXd Delassus::columns(const Eigen::MatrixXd& R) const {

@@ -29,6 +29,8 @@ inline constexpr double rounding_of_input = 1e-11;
 /// Entries below this part of sqrt(W_ii W_jj) are zero by structure.
 inline constexpr double rounding_of_zero = 1e-15;
 
+/// These columns of A, each times its weight.
+SpMat columns_of(const SpMat& A, const std::vector<Index>& columns, In weights);
 /// Columns 0, d, 2 d, .. of A, those of the contacts' normals.
 SpMat normal_columns(const SpMat& A, int d);
 
@@ -79,6 +81,9 @@ class Inertia {
   double rcond_ = 1;
 };
 
+/// Where each velocity is among those of the bodies that H has entries of, or -1.
+std::vector<int> touched_velocities(const Inertia& inertia, const SpMat& H);
+
 /// What contact velocities would be of, without constraints and couplings, as squares of N: sum_i H_ij^2 / M_ii.
 Vec free_squares(const Inertia& inertia, const SpMat& H);
 
@@ -91,7 +96,6 @@ class DelassusParts {
   DelassusParts(const DelassusParts& of, double s, const std::vector<Index>& rows, const std::vector<double>& weights);
 
   const Inertia& inertia() const { return *inertia_; }
-  const std::shared_ptr<const Inertia>& shared_inertia() const { return inertia_; }
   const SpMat& M() const { return M_; }  ///< s M
   const SpMat& H() const { return H_; }
   /// Z with W = Z'Z, as sparse as H; null where M has no small blocks.
@@ -161,6 +165,8 @@ class Delassus {
   /// The contacts, of d rows each, in groups that do not act on each other, however indirectly: coupled by an entry
   /// that is not 0; of parts, by a body. By their first contacts, which ascend in each.
   std::vector<std::vector<Index>> groups(int d) const;
+  /// In these rows and columns; by its parts with the inertia of all bodies, factored once.
+  Delassus part(const std::vector<Index>& rows) const;
   /// W R, column by column.
   Eigen::MatrixXd columns(const Eigen::MatrixXd& R) const;
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -57,87 +56,6 @@ void check_finite_diagonal(const Problem& p) {
     if (!std::isfinite(diagonal[i])) refuse("W is ", diagonal[i], " on its diagonal, at ", place(i, p));
 }
 
-using Lines = std::vector<int>;
-
-/// A in these rows and columns, of `rows` rows: place[i] is the place of row i among them, or -1.
-SpMat part_of(const SpMat& A, Index rows, const Lines& columns, const Lines& place) {
-  std::vector<Eigen::Triplet<double>> entries;
-  for (std::size_t j = 0; j < columns.size(); ++j)
-    for (SpMat::InnerIterator it(A, columns[j]); it; ++it)
-      if (const int row = place[at(it.row())]; row >= 0 && it.value() != 0)
-        entries.emplace_back(row, static_cast<int>(j), it.value());
-  SpMat part(rows, static_cast<Index>(columns.size()));
-  part.setFromTriplets(entries.begin(), entries.end());
-  return part;
-}
-
-/// Gives the lines their places in `place`, and -1 to those that had some.
-void number(const Lines& lines, Lines& place, Lines& numbered) {
-  for (const int line : numbered) place[at(line)] = -1;
-  for (std::size_t k = 0; k < lines.size(); ++k) place[at(lines[k])] = static_cast<int>(k);
-  numbered = lines;
-}
-
-/// W of groups of contacts, one after another.
-class DelassusOfGroups {
- public:
-  explicit DelassusOfGroups(const Delassus& W) : W_(W), place_(at(W.rows()), -1) {
-    const DelassusParts* parts = W.whole_parts();
-    if (parts == nullptr) return;
-    const Lines& body_of = parts->inertia().body_of();
-    velocities_of_.resize(at(parts->inertia().bodies()));
-    velocity_place_.assign(body_of.size(), -1);
-    for (std::size_t i = 0; i < body_of.size(); ++i) velocities_of_[at(body_of[i])].push_back(static_cast<int>(i));
-  }
-
-  /// Nothing: the inertia of these bodies alone is not positive definite to rounding, as that of all was.
-  std::optional<Delassus> operator()(const Lines& rows) {
-    const DelassusParts* parts = W_.whole_parts();
-    const auto size = static_cast<Index>(rows.size());
-    if (parts == nullptr) {
-      number(rows, place_, numbered_);
-      return part_of(W_.matrix(), size, rows, place_);
-    }
-    const Lines velocities = velocities_of(*parts, rows);
-    const auto m = static_cast<Index>(velocities.size());
-    number(velocities, velocity_place_, numbered_);
-    auto inertia = inertia_of(parts->inertia(), velocities);
-    if (!inertia) return std::nullopt;
-    return Delassus(
-        std::make_shared<const DelassusParts>(std::move(inertia), part_of(parts->H(), m, rows, velocity_place_)));
-  }
-
- private:
-  /// Of these velocities, and multipliers, which have their places.
-  std::shared_ptr<const Inertia> inertia_of(const Inertia& whole, const Lines& velocities) const {
-    SpMat M = part_of(whole.M(), static_cast<Index>(velocities.size()), velocities, velocity_place_);
-    if (!whole.by_lu()) return Inertia::of(std::move(M));
-    const Index m = std::ranges::lower_bound(velocities, whole.velocities()) - velocities.begin();
-    const SpMat of_velocities = M.topLeftCorner(m, m);
-    auto factors = std::make_shared<const lcp::RefinedLu>(M);
-    return Inertia::of(of_velocities, std::move(M), std::move(factors));
-  }
-  /// Of the bodies of these contacts.
-  Lines velocities_of(const DelassusParts& parts, const Lines& rows) const {
-    Lines bodies;
-    for (const int j : rows)
-      for (SpMat::InnerIterator it(parts.H(), j); it; ++it) bodies.push_back(parts.inertia().body_of()[at(it.row())]);
-    std::ranges::sort(bodies);
-    bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
-    Lines velocities;
-    for (const int body : bodies)
-      velocities.insert(velocities.end(), velocities_of_[at(body)].begin(), velocities_of_[at(body)].end());
-    std::ranges::sort(velocities);
-    return velocities;
-  }
-
-  const Delassus& W_;
-  Lines place_;
-  std::vector<Lines> velocities_of_{};  // of each body
-  Lines velocity_place_{};
-  Lines numbered_{};  // with a place in the one of both that is used
-};
-
 }  // namespace
 
 std::vector<ContactGroup> separated(const Problem& problem) {
@@ -145,15 +63,12 @@ std::vector<ContactGroup> separated(const Problem& problem) {
   const int d = problem.dimension;
   std::vector<std::vector<Index>> groups = problem.W.groups(d);
   if (groups.size() < 2) return {};
-  DelassusOfGroups W_of(problem.W);
   std::vector<ContactGroup> out;
   for (std::vector<Index>& contacts : groups) {
-    Lines rows;
+    std::vector<Index> rows;
     for (const Index a : contacts)
-      for (int k = 0; k < d; ++k) rows.push_back(static_cast<int>(d * a + k));
-    std::optional<Delassus> W = W_of(rows);
-    if (!W) return {};
-    Problem part{.dimension = d, .W = std::move(*W), .q = problem.q(rows), .mu = problem.mu(contacts)};
+      for (Index k = 0; k < d; ++k) rows.push_back(d * a + k);
+    Problem part{.dimension = d, .W = problem.W.part(rows), .q = problem.q(rows), .mu = problem.mu(contacts)};
     part.name = problem.name;
     if (problem.mu_r.size() != 0) part.mu_r = problem.mu_r(contacts);
     if (problem.rounding.q.size() != 0) part.rounding.q = problem.rounding.q(rows);
@@ -193,6 +108,16 @@ void check_friction(const Vec& mu) { check_coefficients("friction", mu); }
 
 void check_no_rolling(const char* who, const Problem& problem) {
   if (problem.rolls()) refuse_input(who, ": a problem with rolling friction, which this does not know");
+}
+
+std::string contacts_text(const std::vector<Index>& contacts, Index first) {
+  constexpr std::size_t most = 6;
+  const std::size_t count = contacts.size();
+  const std::size_t shown = count <= most ? count : most - 1;
+  std::string text = count == 1 ? "contact " : "contacts ";
+  for (std::size_t k = 0; k < shown; ++k)
+    text += (k == 0 ? "" : k + 1 == count ? " and " : ", ") + std::to_string(contacts[k] + first);
+  return shown == count ? text : text_of(text, " and ", count - shown, " more");
 }
 
 void check_dimension(int dimension) {

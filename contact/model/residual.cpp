@@ -106,28 +106,6 @@ void add_shares(Residual& out, const ContactVector<Size>& r, const ContactVector
 
 }  // namespace
 
-/// Beyond both cones the point lies on the boundary, at the foot of the perpendicular from (y_N, |y_T|) to the line
-/// (c, s) with c = 1 / sqrt(1 + mu^2), s = mu c.
-void project_onto_cone(In y, double mu, lcp::Out out) {
-  const Index d = y.size();
-  const double T = d == 2 ? std::abs(y[1]) : std::hypot(y[1], y[2]);
-  if (y[0] >= 0 && T <= mu * y[0]) {
-    out = y;
-    return;
-  }
-  const double c = 1 / std::hypot(1, mu);
-  const double s = mu * c;
-  const double along = c * y[0] + s * T;
-  if (!(along > 0)) {
-    out.setZero();
-    // A NaN stays one.
-    if (std::isnan(along)) out.setConstant(along);
-    return;
-  }
-  out[0] = c * along;
-  for (Index k = 1; k < d; ++k) out[k] = T > 0 ? s * along * (y[k] / T) : 0;
-}
-
 double Residual::largest() const { return std::max({siconos, rr9118, cone_share, normal_share, slip_share}); }
 
 bool accepted(const Residual& residual, double tol) { return residual.largest() <= tol; }
@@ -175,7 +153,7 @@ std::optional<Residual> Judge::far(In r, double tol) const {
   return out;
 }
 
-/// In the problem's own units.
+/// In the problem's own units, as the published metrics are.
 template <int Size>
 double Judge::natural(In r, In u) const {
   const int width = disks<Size> == 1 ? 2 : problem_.disk_width();
@@ -193,12 +171,11 @@ Residual Judge::judged(In r, const Velocities& at_r) const {
   const int width = disks<Size> == 1 ? 2 : problem_.disk_width();
   Residual out;
   double worst = -1;
-  Vec natural(problem_.contacts());
   Vec e_rho(problem_.contacts());
   // r, u and q of all contacts, at their levers.
-  Vec sizes_r(problem_.rolls() ? problem_.contacts() : 0);
-  Vec sizes_u = sizes_r;
-  Vec sizes_q = sizes_r;
+  Vec sizes_r(problem_.contacts());
+  Vec sizes_u(problem_.contacts());
+  Vec sizes_q(problem_.contacts());
   for (Index a = 0; a < problem_.contacts(); ++a) {
     const double arm = lever_[at(a)];
     const ContactVector<Size> force = part<Size>(problem_, r, a, 1 / arm);
@@ -214,20 +191,12 @@ Residual Judge::judged(In r, const Velocities& at_r) const {
       out.slip = larger(out.slip, std::abs(std::hypot(u_T[0], u_T[1]) * most + (r_T[0] * u_T[0] + r_T[1] * u_T[1])));
     }
     const auto size_of = [&](const Vec& v) { return part<Size>(problem_, v, a, arm).stableNorm(); };
-    const double size_of_q = size_of(problem_.q);
-    const double V = std::max({size_of_q, size_of(Wr), std::min(size_of(at_r.terms), coupled_[at(a)])});
+    sizes_r[a] = force.stableNorm();
+    sizes_u[a] = velocity.stableNorm();
+    sizes_q[a] = size_of(problem_.q);
+    const double V = std::max({sizes_q[a], size_of(Wr), std::min(size_of(at_r.terms), coupled_[at(a)])});
     add_shares<Size>(out, force, velocity, mu, width, V, diagonal_[at(a)]);
     e_rho[a] = told(natural_map<Size>(force, velocity, mu, rho_, width).stableNorm());
-    if constexpr (disks<Size> == 1) {
-      natural[a] = told(natural_map<Size>(force, velocity, mu).stableNorm());
-    } else {  // the published metrics are in the problem's own units
-      natural[a] = told(natural_map<Size>(part<Size>(problem_, r, a, 1), part<Size>(problem_, at_r.u, a, 1),
-                                          frictions<Size>(problem_, a, 1), 1, width)
-                            .stableNorm());
-      sizes_r[a] = force.stableNorm();
-      sizes_u[a] = velocity.stableNorm();
-      sizes_q[a] = size_of_q;
-    }
     if (e_rho[a] > worst) {
       worst = e_rho[a];
       out.worst = a;
@@ -237,10 +206,8 @@ Residual Judge::judged(In r, const Velocities& at_r) const {
   const double u = told(at_r.u.stableNorm());
   const double sizes = std::max({q, r.stableNorm(), u});
   const double scaled_sizes =
-      problem_.rolls()
-          ? std::max({sizes_r.stableNorm(), rho_ * told(sizes_u.stableNorm()), rho_ * sizes_q.stableNorm()})
-          : std::max({r.stableNorm(), rho_ * u, rho_ * q});
-  out.natural = told(natural.stableNorm());
+      std::max({sizes_r.stableNorm(), rho_ * told(sizes_u.stableNorm()), rho_ * sizes_q.stableNorm()});
+  out.natural = told(natural<Size>(r, at_r.u));
   out.siconos = told(out.natural / std::max(sizes, least_scale));
   out.rr9118 = told(out.natural / std::max(q, least_scale));
   out.scaled = told(e_rho.stableNorm() / std::max(scaled_sizes, least_scale));

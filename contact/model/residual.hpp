@@ -93,9 +93,6 @@ std::vector<ContactState> states(const Problem& problem, In r, double tol = 1e-6
 /// The same with u = W r + q, as velocities() has it, in at.u.
 std::vector<ContactState> states(const Problem& problem, const Solution& at, double tol = 1e-6);
 
-/// Writes P_K(y) for K = {|y_T| <= mu y_N} into `out`. y has 2 or 3 entries (N, T..).
-void project_onto_cone(In y, double mu, lcp::Out out);
-
 /// "open", "stick", "slip".
 const char* name(State state);
 

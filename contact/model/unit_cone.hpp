@@ -19,6 +19,12 @@ ContactVector<Size> corrected(ContactVector<Size> u, int width) {
 }
 inline Eigen::Vector3d corrected(const Eigen::Vector3d& u) { return corrected<3>(u, 2); }
 
+/// y_N^2 - |y_T|^2: positive in the interior of K, and of -K.
+inline double cone_det(const Eigen::Vector3d& y) {
+  const double length = y.tail<2>().norm();
+  return (y[0] - length) * (y[0] + length);
+}
+
 /// y_T / |y_T|, or zero.
 inline Eigen::Vector2d tangential_direction(const Eigen::Vector3d& y) {
   const double length = y.tail<2>().norm();

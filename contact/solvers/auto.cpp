@@ -9,6 +9,7 @@
 #include "contact/classics/alart_curnier.hpp"
 #include "contact/classics/gauss_seidel.hpp"
 #include "contact/solvers/cone_homotopy.hpp"
+#include "contact/solvers/follow.hpp"
 #include "contact/solvers/newton_steps.hpp"
 #include "contact/solvers/referee.hpp"
 
@@ -66,7 +67,7 @@ class Solver {
         options_(method.homotopy.options),
         system_(problem, options_.lu),
         newton_(problem, system_) {}
-  ~Solver() { referee_.stats().factorizations += system_.factorizations(); }
+  ~Solver() { referee_.stats.factorizations += system_.factorizations(); }
   Solver(const Solver&) = delete;
   Solver& operator=(const Solver&) = delete;
 
@@ -83,7 +84,7 @@ class Solver {
     bool (Solver::*when)() const;
     bool (Solver::*kernel)();  ///< returns whether the run is over
   };
-  static const std::array<Entry, 8> list;
+  static const std::array<Entry, 7> list;
 
  private:
   bool is_warm() const { return start_.size() > 0; }
@@ -92,8 +93,7 @@ class Solver {
   bool always() const { return true; }
   bool proximal() const { return method_.proximal; }
 
-  bool newton_from_start();
-  bool homotopy_from_start();
+  bool from_start();
   bool sweep();
   bool cones() {
     if constexpr (Size == 3)
@@ -101,12 +101,11 @@ class Solver {
     else
       return false;
   }
-  bool homotopy() { return attempt(nullptr, 1); }
+  bool homotopy();
   bool proof() { return referee_.no_solution(); }
   bool by_groups();
   bool proximal_loop();
 
-  bool attempt(const Vec* from, double tau);
   bool polish(const Vec& r, double alpha);
   bool newton_on(In centre, double alpha, Vec& r);
   bool homotopy_on(In centre, double alpha, Vec& r);
@@ -122,11 +121,9 @@ class Solver {
 };
 
 template <int Size>
-const std::array<typename Solver<Size>::Entry, 8> Solver<Size>::list{{
-    {"Newton steps from the start", "a start is given", "the solution of a similar problem is near", "",
-     &Solver<Size>::is_warm, &Solver<Size>::newton_from_start},
-    {"homotopy from near the start", "a start is given", "the more has changed, the farther the path begins", "",
-     &Solver<Size>::is_warm, &Solver<Size>::homotopy_from_start},
+const std::array<typename Solver<Size>::Entry, 7> Solver<Size>::list{{
+    {"Newton steps, sweeps and paths from the start", "a start is given", "the solution of a similar problem is near",
+     "", &Solver<Size>::is_warm, &Solver<Size>::from_start},
     {"sweeps of Gauss-Seidel", "no start is given", "they cost little, and weakly coupled contacts need no more",
      "they alone solve 21 of 31 recorded sets", &Solver<Size>::sweeps, &Solver<Size>::sweep},
     {"paths over the cones", "no contact has rolling friction", "the path of the associated law cannot turn back",
@@ -143,16 +140,19 @@ const std::array<typename Solver<Size>::Entry, 8> Solver<Size>::list{{
      &Solver<Size>::proximal, &Solver<Size>::proximal_loop},
 }};
 
-/// Newton steps from the last solution.
+/// As from the step before of a sequence; of two disks Newton steps alone.
 template <int Size>
-bool Solver<Size>::newton_from_start() {
-  return referee_.judge(start_, {.by = Origin::WarmStart}) || (method_.polish && polish(start_, polish_alphas.front()));
-}
-
-template <int Size>
-bool Solver<Size>::homotopy_from_start() {
-  const double far = natural_map(problem_, start_);
-  return attempt(&start_, std::clamp(far * far, 1e-6, 1.0));
+bool Solver<Size>::from_start() {
+  if (referee_.judge(start_, {.by = Origin::WarmStart}) || !method_.polish) return referee_.over();
+  if constexpr (Size == 5) return polish(start_, polish_alphas.front());
+  Follower follower(referee_.stats);
+  const Scaled& coordinates = follower.take(referee_.problem());
+  const auto convert = [](const Scaled& from, const Scaled& to, In r) { return to.reduce(from.expand(r)); };
+  const auto accept = [&](const Vec& r, Origin by) {
+    return referee_.judge(convert(coordinates, problem_, r), {.by = by}) && referee_.solved();
+  };
+  follower.from(convert(problem_, coordinates, start_), accept, [&] { return referee_.over(); });
+  return referee_.over();
 }
 
 /// Sweeps while they contract.
@@ -165,7 +165,7 @@ bool Solver<Size>::sweep() {
   for (int k = 0; k < method_.sweeps; k += sweeping.lot) {
     const Vec last = r;
     for (int i = 0; i < sweeping.lot; ++i) method.sweep(r, u);
-    referee_.stats().sweeps += sweeping.lot;
+    referee_.stats.sweeps += sweeping.lot;
     if (referee_.judge(r, {.by = Origin::Sweeps})) return true;
     const double change = (r - last).norm();
     const bool settling = k < sweeping.settling && referee_.last() <= sweeping.near;
@@ -178,17 +178,16 @@ bool Solver<Size>::sweep() {
 /// Takes steps of the homotopy, with Newton steps where it comes near a solution; then damped Newton steps from the
 /// point of the least natural map.
 template <int Size>
-bool Solver<Size>::attempt(const Vec* from, double tau) {
-  ++referee_.stats().attempts;
+bool Solver<Size>::homotopy() {
+  ++referee_.stats.attempts;
   Homotopy<Size> homotopy(problem_, system_, options_);
-  if (from != nullptr) homotopy.start(*from, tau);
   double polish_at = method_.polish_at;
   std::size_t polished = 0;
   Vec best = homotopy.r();
   double least = lcp::infinity;
   for (int k = 0, in_a_row = 0; k < method_.homotopy.max_iterations && in_a_row < short_steps; ++k) {
     const bool going = homotopy.step();
-    ++referee_.stats().iterations;
+    ++referee_.stats.iterations;
     const HomotopyIteration& last = homotopy.last();
     if (referee_.judge(homotopy.r(), {.by = Origin::Homotopy, .tau = last.tau, .step = last.step})) return true;
     if (!going) break;
@@ -235,7 +234,7 @@ bool Solver<Size>::by_groups() {
     options.max_time = std::chrono::duration<double>(std::max(0.0, referee_.seconds_left()));
     Referee part(group.problem, coordinates, options, true);
     if (!part.over()) run_auto(part, coordinates, method_, {});
-    referee_.add(part.stats());
+    referee_.add(part.stats);
     all = all && part.solved();
     for (std::size_t k = 0; k < group.contacts.size(); ++k)
       r.segment(d * group.contacts[k], d) = part.best_impulses().segment(d * static_cast<Index>(k), d);
@@ -266,7 +265,7 @@ bool Solver<Size>::newton_on(In centre, double alpha, Vec& r) {
     if (!(far <= 1e3 * least) || k == subproblem.newton) return false;
     least = std::min(least, far);
     Vec to;
-    ++referee_.stats().newton_steps;
+    ++referee_.stats.newton_steps;
     if (!newton_.step(x, centre, alpha, to)) return false;
     x = std::move(to);
   }
@@ -284,20 +283,20 @@ bool Solver<Size>::homotopy_on(In centre, double alpha, Vec& r) {
   double least = lcp::infinity;
   for (int k = 0; k < subproblem.homotopy && least > 1e-9 && !referee_.over(); ++k) {
     const bool going = homotopy.step();
-    ++referee_.stats().iterations;
+    ++referee_.stats.iterations;
     if (const double far = natural_map(proximal, homotopy.r()); far < least) {
       least = far;
       r = homotopy.r();
     }
     if (!going || (k > 15 && homotopy.last().step < 0.02)) break;
   }
-  referee_.stats().factorizations += system.factorizations();
+  referee_.stats.factorizations += system.factorizations();
   return least <= subproblem.accept;
 }
 
 template <int Size>
 bool Solver<Size>::proximal_loop() {
-  ++referee_.stats().attempts;
+  ++referee_.stats.attempts;
   Vec centre = Vec::Zero(problem_.size());
   Vec reached = centre;  // the last subproblem's solution
   Vec r = centre;
@@ -315,7 +314,7 @@ bool Solver<Size>::proximal_loop() {
       increment.reset();
       continue;
     }
-    ++referee_.stats().proximal_steps;
+    ++referee_.stats.proximal_steps;
     if (referee_.judge(r, {.by = Origin::Proximal, .alpha = alpha})) return true;
     ++since;
     if (referee_.best() <= 0.5 * milestone) {

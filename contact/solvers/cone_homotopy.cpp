@@ -40,7 +40,7 @@ bool ConeHomotopy::run() { return associated() || (!moves() && openings()) || tr
 /// Takes one step of the path. Returns whether it went on and the run is not over.
 bool ConeHomotopy::step() {
   if (!path_.step()) return false;
-  ++referee_.stats().iterations;
+  ++referee_.stats.iterations;
   return !referee_.judge(path_.r(), {.by = Origin::Cones, .tau = path_.tau(), .step = path_.last_step()});
 }
 
@@ -80,7 +80,7 @@ bool ConeHomotopy::openings() {
 /// most `change` of the largest. The map says nothing in the first five lots: openings grow from zero. Returns false if
 /// the steps are used up or not finite.
 bool ConeHomotopy::settle(Splitting& splitting, double change, double map) {
-  int& steps = referee_.stats().splitting_steps;
+  int& steps = referee_.stats.splitting_steps;
   Vec last = splitting.openings();
   for (int settled = 0; settled < 2;) {
     if (steps >= opening_paths.steps) return false;

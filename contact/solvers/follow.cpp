@@ -57,11 +57,11 @@ struct FollowSweeps {
 constexpr FollowSweeps follow_sweeps{};
 
 struct FollowPaths {
-  int steps = 25;            ///< of one path
-  long factorizations = 60;  ///< of all, those of two cold starts
-  double end = 1e-16;        ///< tau: at a degenerate solution the natural map is its root
-  double turning = 0.1;      ///< two steps in a row below this length say that a path turns back
-  Index rows = 6000;         ///< in more LU takes too long
+  int steps = 25;           ///< of one path
+  int factorizations = 60;  ///< of all, those of two cold starts
+  double end = 1e-16;       ///< tau: at a degenerate solution the natural map is its root
+  double turning = 0.1;     ///< two steps in a row below this length say that a path turns back
+  Index rows = 6000;        ///< in more LU takes too long
 };
 constexpr FollowPaths follow_paths{};
 /// First products of the paths, in units of the natural map times the largest impulse.
@@ -108,7 +108,7 @@ void open_what_carries_nothing(const Scaled& problem, Vec& r) {
 
 }  // namespace
 
-Follower::Follower() = default;
+Follower::Follower(Stats& stats) : stats_(stats) {}
 Follower::~Follower() = default;
 
 const Scaled& Follower::take(const Problem& problem) {
@@ -135,9 +135,9 @@ bool Follower::direction(In r, FollowStep& step, bool first, double margin) {
   NewtonSystem system = newton_system(kept.problem(), rows_of, r, kept.problem().W * r + kept.problem().q);
   step.rows = std::move(system.rows);
   step.c = std::move(system.c);
-  if (!kept.factor(r, step, factorizations_)) return false;
+  if (!kept.factor(r, step, stats_.factorizations)) return false;
   kept.solve(r, step, first);
-  ++steps_;
+  ++stats_.newton_steps;
   return step.d.allFinite();
 }
 
@@ -159,7 +159,7 @@ bool Follower::held_step(Vec& x, double& last, bool first) {
   NewtonSystem system = newton_system(kept.problem(), rows_of, x, kept.problem().W * x + kept.problem().q);
   if (!same) return false;
   FollowStep step{.rows = std::move(system.rows), .c = std::move(system.c)};
-  ++steps_;
+  ++stats_.newton_steps;
   if (!kept.solve(x, step, first)) return false;
   const Vec to = x + step.d;
   const double map = natural_map(kept.problem(), to);
@@ -181,12 +181,9 @@ bool Follower::sweep(Vec& r, const Accept& accept, const Stop& stop) {
     if (stop()) return false;
     const Vec last = r;
     for (int i = 0; i < follow_sweeps.lot; ++i) method.sweep(r, u);
-    sweeps_ += follow_sweeps.lot;
+    stats_.sweeps += follow_sweeps.lot;
     const double map = natural_map(problem, r);
-    if (may_be_solved(map, r) && accept(r)) {
-      by_ = Origin::Sweeps;
-      return true;
-    }
+    if (may_be_solved(map, r) && accept(r, Origin::Sweeps)) return true;
     const double change = (r - last).norm();
     if (k > 0 && map <= newton_below && lots_left(map, r, change / before) > follow_sweeps.few_lots) {
       newton_below = newton_again * map;
@@ -244,9 +241,8 @@ bool Follower::newton(Vec& r, NewtonSteps steps, const Accept& accept, const Sto
     const bool held = settled && held_step(x, last, first);
     if (!held && (steps.held || !newton_step(x, last, first, stop))) return false;
     settled = last <= held_steps.after * before;
-    if (may_be_solved(last, x) && accept(x)) {
+    if (may_be_solved(last, x) && accept(x, Origin::Newton)) {
       r = x;
-      by_ = Origin::Newton;
       return true;
     }
     if (!steps.first && k + 1 == steps.most && k + 1 < following.last_steps && last <= held_steps.decrease * before)
@@ -261,24 +257,21 @@ bool Follower::newton(Vec& r, NewtonSteps steps, const Accept& accept, const Sto
 }
 
 /// The path of Coulomb's law over the cones from near r, with this product; whether r, a point of it, is accepted.
-bool Follower::path(Vec& r, double tau, long last_factorization, const Accept& accept, const Stop& stop) {
+bool Follower::path(Vec& r, double tau, int last_factorization, const Accept& accept, const Stop& stop) {
   FollowSystem& kept = *kept_;
   ConePath path(kept.problem(), kept.give());
   path.couple(path.near(r, Vec::Zero(static_cast<Index>(kept.problem().blocks.size())), tau));
   double newton_below = settled_map;
   for (int k = 0, turning = 0; k < follow_paths.steps && turning < 2 && path.tau() > follow_paths.end; ++k) {
-    if (stop() || factorizations_ >= last_factorization) return false;
+    if (stop() || stats_.factorizations >= last_factorization) return false;
     kept.give();  // Newton steps have made factors of their own
-    ++factorizations_;
-    ++path_steps_;
+    ++stats_.factorizations;
+    ++stats_.iterations;
     if (!path.step()) return false;
     turning = path.last_step() < follow_paths.turning ? turning + 1 : 0;
     const double map = natural_map(kept.problem(), path.r());
     r = path.r();
-    if (may_be_solved(map, r) && accept(r)) {
-      by_ = Origin::Cones;
-      return true;
-    }
+    if (may_be_solved(map, r) && accept(r, Origin::Cones)) return true;
     if (map > newton_below) continue;
     newton_below = newton_again * map;
     if (newton(r, {.most = newton_on_the_way}, accept, stop)) return true;
@@ -292,7 +285,7 @@ bool Follower::paths(Vec& r, const Accept& accept, const Stop& stop) {
   if (problem.size() > follow_paths.rows) return false;
   const double unit = natural_map(problem, r) * std::max(1.0, r.lpNorm<Eigen::Infinity>());
   const std::size_t starts = paths_fail_ ? 1 : path_starts.size();
-  const long last_factorization = factorizations_ + follow_paths.factorizations;
+  const int last_factorization = stats_.factorizations + follow_paths.factorizations;
   for (std::size_t k = 0; k < starts; ++k) {
     Vec to = r;
     const bool found = path(to, path_starts[k] * unit, last_factorization, accept, stop);
@@ -340,8 +333,7 @@ void Follower::remember(In r) {
 
 std::optional<Vec> Follower::from(In start, const Accept& accept, const Stop& stop) {
   Vec r = start;
-  by_ = Origin::WarmStart;
-  if (natural_map(kept_->problem(), r) <= worth_judging && accept(r)) return r;
+  if (natural_map(kept_->problem(), r) <= worth_judging && accept(r, Origin::WarmStart)) return r;
   open_what_carries_nothing(kept_->problem(), r);
   if (!attempt(r, accept, stop)) return std::nullopt;
   remember(r);

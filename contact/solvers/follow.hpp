@@ -35,9 +35,10 @@ struct FollowStep;
 
 class Follower {
  public:
-  using Accept = std::function<bool(const Vec&)>;
+  using Accept = std::function<bool(const Vec& r, Origin by)>;
   using Stop = std::function<bool()>;
-  Follower();
+  /// Counts in these, which outlive *this: of iterations the steps of paths over the cones.
+  explicit Follower(Stats& stats);
   ~Follower();
   Follower(const Follower&) = delete;
   Follower& operator=(const Follower&) = delete;
@@ -50,12 +51,6 @@ class Follower {
   /// The next step begins from r~, which solves this problem and which others have found. Pre: take().
   void remember(In r);
 
-  Origin by() const { return by_; }                        ///< what made the last point that was accepted
-  long factorizations() const { return factorizations_; }  ///< since it was made
-  long steps() const { return steps_; }                    ///< Newton's
-  long path_steps() const { return path_steps_; }          ///< of paths over the cones
-  long sweeps() const { return sweeps_; }
-
  private:
   struct NewtonSteps {
     int most = 1;
@@ -65,19 +60,15 @@ class Follower {
   bool attempt(Vec& r, const Accept& accept, const Stop& stop);
   bool newton(Vec& r, NewtonSteps steps, const Accept& accept, const Stop& stop);
   bool sweep(Vec& r, const Accept& accept, const Stop& stop);
-  bool path(Vec& r, double tau, long last_factorization, const Accept& accept, const Stop& stop);
+  bool path(Vec& r, double tau, int last_factorization, const Accept& accept, const Stop& stop);
   bool paths(Vec& r, const Accept& accept, const Stop& stop);
   bool direction(In r, FollowStep& step, bool first, double margin);
   bool newton_step(Vec& x, double& last, bool first, const Stop& stop);
   bool held_step(Vec& x, double& last, bool first);
 
+  Stats& stats_;
   std::unique_ptr<FollowSystem> kept_;
-  Origin by_ = Origin::WarmStart;
   std::vector<char> stuck_{};  // contacts of the last solution; a hint
-  long factorizations_ = 0;
-  long steps_ = 0;
-  long path_steps_ = 0;
-  long sweeps_ = 0;
   bool sweeps_first_ = false;
   bool paths_fail_ = false;  // in the last step that needed them
 };

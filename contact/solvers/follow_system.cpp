@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "contact/model/unit_cone.hpp"
 #include "contact/model/units.hpp"
 
 namespace perp::contact {
@@ -37,22 +38,14 @@ bool sticks(const ContactRows& rows, int size) {
   return rows.A.topLeftCorner(size, size).isZero(0) && rows.B.topLeftCorner(size, size).isIdentity(0);
 }
 
-/// Negative outside of the cone and on its border.
-double determinant(const Vector3d& x) {
-  const double length = x.tail<2>().norm();
-  return x[0] > 0 ? (x[0] - length) * (x[0] + length) : -1;
-}
-
-Vector3d reflected(const Vector3d& x) { return {x[0], -x[1], -x[2]}; }
-
 /// The gradient of log det(x) / 2.
-Vector3d inward(const Vector3d& x) { return reflected(x) / determinant(x); }
+Vector3d inward(const Vector3d& x) { return Vector3d(x[0], -x[1], -x[2]) / cone_det(x); }
 
 /// The Hessian of -log det(x) / 2.
 Block barrier_metric(const Vector3d& x) {
   const Vector3d g = inward(x);
   Block H = 2 * g * g.transpose();
-  H.diagonal() -= Vector3d(1, -1, -1) / determinant(x);
+  H.diagonal() -= Vector3d(1, -1, -1) / cone_det(x);
   return H / std::max(1.0, H.norm() / largest_metric);
 }
 
@@ -140,8 +133,8 @@ bool FollowSystem::centre(In r, const FollowStep& step, Vec& d) {
     double sum = 0;
     for (const std::size_t a : sticking) {
       const Vector3d x = problem_.blocks[a].of(to) + t * problem_.blocks[a].of(e);
-      const double det = determinant(x);
-      if (!(det > 0)) return lcp::infinity;
+      const double det = cone_det(x);
+      if (!(x[0] > 0 && det > 0)) return lcp::infinity;
       sum += x[0] / centring_size - std::log(det) / 2;
     }
     return sum;
@@ -159,7 +152,7 @@ bool FollowSystem::centre(In r, const FollowStep& step, Vec& d) {
 }
 
 /// The factors of K.
-bool FollowSystem::factor(In r, const FollowStep& step, long& factorizations) {
+bool FollowSystem::factor(In r, const FollowStep& step, int& factorizations) {
   if (!rows_.empty() && same_rows(rows_, step.rows)) return true;
   rows_.clear();
   metric_.assign(step.rows.size(), follow_hold * Block::Identity());

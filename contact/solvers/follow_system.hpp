@@ -35,7 +35,7 @@ class FollowSystem {
   const NewtonWeights& rho() const { return rho_; }
 
   /// Computes the factors of K at r, unless those of the same rows are there, and counts. False: there are none.
-  bool factor(In r, const FollowStep& step, long& factorizations);
+  bool factor(In r, const FollowStep& step, int& factorizations);
   /// A and B of the factors; none: there are none.
   const std::vector<ContactRows>& factored() const { return rows_; }
   /// The system for others, whose factors take the place of K's.

@@ -28,8 +28,8 @@ bool run_stage(Referee& referee, const Glocker& mcp, const ncp::Method& method, 
     return over ? ncp::Next::Stop : ncp::Next::Continue;
   };
   const ncp::Result result = ncp::solve(mcp, z, method, judge);
-  referee.stats().iterations += result.stats.iterations;
-  referee.stats().factorizations += result.stats.factorizations;
+  referee.stats.iterations += result.stats.iterations;
+  referee.stats.factorizations += result.stats.factorizations;
   z = result.x;
   solved = result.solved();
   return over || referee.judge(mcp.impulses(z), {.by = Origin::Ncp, .letter = 'C'});
@@ -61,7 +61,7 @@ void run_ncp(Referee& referee, const Scaled& problem, const GlockerNcp& method, 
   const int stages = continued ? method.stages : 1;
   ncp::Stop& stop = ncp::stop(run);
   stop.interrupt = referee.interrupt();
-  ++referee.stats().attempts;
+  ++referee.stats.attempts;
   for (int stage = 0; stage < stages; ++stage) {
     const bool last = stage + 1 == stages;
     if (stages > 1) {

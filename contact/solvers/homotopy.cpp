@@ -30,13 +30,16 @@ struct Homotopy<Size>::Pairs {
   std::array<double, 1 + sides_in_space * disks<Size>> w{};
 };
 
-/// A facet, or the disk, i: sigma changes by gradient.dr + s dkappa, and c is kappa's factor in u_T + sum c_i kappa_i.
+/// A facet, or the disk, i: sigma changes by gradient.dr + s dkappa, and c is kappa's factor in u_T + sum c_i kappa_i,
+/// which changes by c_N dr_N + c_T dr_T.
 template <int Size>
 struct Homotopy<Size>::Side {
   double sigma = 0;
   ContactVector<Size> gradient = ContactVector<Size>::Zero();
   double s = 0;
   Eigen::Vector2d c = Eigen::Vector2d::Zero();
+  Eigen::Vector2d c_N = Eigen::Vector2d::Zero();
+  double c_T = 0;
 };
 
 /// One contact and its part of Newton's step: block() once for each matrix, rhs() and recover() for each direction.
@@ -64,9 +67,8 @@ struct Homotopy<Size>::Contact : Scaled::Block {
   Pairs recover(const ContactVector<Size>& dr) const;
 
   std::array<Side, sides_in_space * disks<Size>> side{};  // of evaluate()
-  SmoothNormal normal{};
-  std::array<double, sides_in_space * disks<Size>> D{};  // of block(): dsigma_i + D_i dkappa_i = h_i, dsigma_i by dr
-  std::array<double, sides_in_space * disks<Size>> h{};  // of rhs()
+  std::array<double, sides_in_space * disks<Size>> D{};   // of block(): dsigma_i + D_i dkappa_i = h_i, dsigma_i by dr
+  std::array<double, sides_in_space * disks<Size>> h{};   // of rhs()
   std::array<double, 1 + sides_in_space * disks<Size>> p{};  // of rhs(): z dw + w dz = z p
 };
 
@@ -79,18 +81,15 @@ struct Homotopy<Size>::Direction {
 template <int Size>
 void Homotopy<Size>::Contact::evaluate(double delta, double eps) {
   if (size == 1) return;
-  normal = smooth_normal(r[0], delta);
-  const auto [g, slope] = normal;
   for (std::size_t i = 0; i < sides(); ++i) {
     const int j = disk_of(i);
     const Eigen::Vector2d r_T = part(r, j);
     Side& of = side[i];
     if (is_disk(i)) {
-      const double square = r_T.squaredNorm();
-      of.sigma = g - square / g;
-      of.gradient[0] = slope * (1 + square / (g * g));
-      of.c = 2 * r_T / g;
-      set_disk<Size>(of.gradient, j, width, -of.c);
+      const GlockerDisk its = normalised_disk(delta, r[0], r_T[0], r_T[1]);
+      of = {.sigma = its.sigma, .c = its.c * r_T, .c_N = its.c_N * r_T, .c_T = its.c};
+      of.gradient[0] = its.sigma_N;
+      set_disk<Size>(of.gradient, j, width, {its.sigma_T1, its.sigma_T2});
       continue;
     }
     const auto& e = facet_normal(entries() + 1, i % sides_of_disk());
@@ -105,16 +104,13 @@ template <int Size>
 ContactMatrix<Size> Homotopy<Size>::Contact::block() {
   ContactMatrix<Size> B = ContactMatrix<Size>::Zero();
   B(0, 0) = at.w[0] / at.z[0];
-  const auto [g, slope] = normal;
   for (std::size_t i = 0; i < sides(); ++i) {
     D[i] = side[i].s + at.w[i + 1] / at.z[i + 1];
     add(disk_of(i), (side[i].c * side[i].gradient.transpose() / -D[i]).eval(), B);
-    if (!is_disk(i)) continue;
-    const double kappa_D = at.z[i + 1];
-    for (int k = 0; k < entries(); ++k) {  // c changes with r
+    for (int k = 0; k < entries(); ++k) {
       const int row = first_of(disk_of(i)) + k;
-      B(row, 0) -= side[i].c[k] * kappa_D * slope / g;
-      B(row, row) += 2 * kappa_D / g;
+      B(row, 0) += side[i].c_N[k] * at.z[i + 1];
+      B(row, row) += side[i].c_T * at.z[i + 1];
     }
   }
   return B;
@@ -155,8 +151,8 @@ Homotopy<Size>::Homotopy(const Scaled& problem, ContactSystemOf<Size>& system, c
     r_[block.first] = 1;
     products_ += 1 + static_cast<Index>(c.sides());
   }
-  tau_ = 1;
-  begin();
+  parameters();
+  spread();
   for (Contact& c : contacts_) {
     c.evaluate(delta_, eps_);
     c.at.w[0] = std::max(c.u[0], 1.0);
@@ -167,22 +163,6 @@ Homotopy<Size>::Homotopy(const Scaled& problem, ContactSystemOf<Size>& system, c
 
 template <int Size>
 Homotopy<Size>::~Homotopy() = default;
-
-template <int Size>
-void Homotopy<Size>::start(In r, double tau) {
-  r_ = r;
-  tau_ = tau;
-  begin();
-  centre(tau);
-}
-
-template <int Size>
-void Homotopy<Size>::begin() {
-  last_ = {.k = 0, .tau = tau_};
-  last_step_ = 1;
-  parameters();
-  spread();
-}
 
 template <int Size>
 void Homotopy<Size>::parameters() {
@@ -199,29 +179,6 @@ void Homotopy<Size>::spread() {
     c.r = c.template of<Size>(r_);
     c.u = c.template of<Size>(u_);
   }
-}
-
-/// Products about tau at r, w >= F: where one factor is far from zero the other is tau over it, both are sqrt(tau)
-/// where neither is. kappa_D begins at |u_T| g / (2 |r_T|), what it is where the contact slips.
-template <int Size>
-void Homotopy<Size>::centre(double tau) {
-  const double root = std::sqrt(tau);
-  const auto pair = [&](Pairs& at, std::size_t i, double F) {
-    at.w[i] = std::max(F, tau / std::max(at.z[i], root));
-    at.z[i] = std::max(at.z[i], tau / std::max(at.w[i], root));
-  };
-  for (Contact& c : contacts_) {
-    pair(c.at, 0, c.u[0]);
-    c.r[0] = r_[c.first] = c.at.z[0];
-    std::fill(c.at.z.begin() + 1, c.at.z.end(), 0);
-    for (std::size_t i = 0; i < c.sides(); ++i)
-      if (const double length = c.part(c.r, c.disk_of(i)).norm(); c.is_disk(i) && length > 0)
-        c.at.z[i + 1] = c.part(c.u, c.disk_of(i)).norm() * smooth_normal(c.r[0], delta_).g / (2 * length);
-    c.evaluate(delta_, eps_);
-    for (std::size_t i = 0; i < c.sides(); ++i) pair(c.at, i + 1, c.side[i].sigma);
-  }
-  spread();
-  tau_ = mean();
 }
 
 /// Of the products.

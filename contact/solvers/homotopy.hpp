@@ -47,8 +47,6 @@ class Homotopy {
   ~Homotopy();
   Homotopy(const Homotopy&) = delete;
   Homotopy& operator=(const Homotopy&) = delete;
-  /// From near r, with products about tau: for warm starts.
-  void start(In r, double tau);
 
   /// One predictor-corrector step. False: the matrix is singular, or nothing is finite.
   bool step();
@@ -67,8 +65,6 @@ class Homotopy {
   struct Pairs;
   struct Side;
   struct Contact;
-  void begin();
-  void centre(double tau);
   void parameters();
   void spread();
   double mean() const;

@@ -15,7 +15,7 @@ bool newton_steps(Referee& referee, const Scaled& problem, AlartCurnierOf<Size>&
   for (int k = 0, since = 0; k < steps.most && since < steps.patience && last <= steps.most_growth * lowest; ++k) {
     Vec to;
     if (!newton.step(r, r, steps.alpha, to)) return false;
-    ++referee.stats().newton_steps;
+    ++referee.stats.newton_steps;
     Vec d = to - r;
     double least = lcp::infinity;
     int halved = 0;

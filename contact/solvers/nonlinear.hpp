@@ -10,11 +10,8 @@
 ///     w   d n [m/s]: e U_N,k of Newton's impact law in the normal parts
 /// Newton's method outside: with A = R'(v_k) and W = H' A^-1 H the step to t in (0, 1] solves
 ///     R_k + A (v - v_k) - H r = (1 - t) (R_k - H r_k)   with the law,                                        (*)
-/// which is contact::Problem(W, q), q = H'(v_k - A^-1 (t R_k + (1 - t) H r_k)) + w, for any method. t = 1 is the step
-/// of Josephy (Numerical Functional Analysis, 1979), locally quadratic where the solution is strongly regular. Along t
-/// the law holds at every point, so |R - H r| alone says whether a step is good: the path of Robinson and Ralph (Math.
-/// Oper. Res. 19 (1994) 352), searched for a decrease. On the straight line between two points that obey the law it
-/// does not hold, since the graph of friction is not convex.
+/// which is contact::Problem(W, q), q = H'(v_k - A^-1 (t R_k + (1 - t) H r_k)) + w, for any method. Along t the law
+/// holds at every point, so |R - H r| alone says whether a step is good (docs/contact/nonlinear.md).
 ///
 /// What is solved is said of the point (v, r) alone, with A = R'(v) and W there: contact::accepted() of u = H'v + w and
 /// r, in the scales of W, and

@@ -25,10 +25,8 @@ class Referee : public Trial {
   /// The larger metric of the point judged last, and of the best one.
   double last() const { return last_; }
   double best() const { return best_metric_; }
-  const Vec& best_point() const { return best_; }  ///< r~
   const Vec& best_impulses() const { return result_.solution.r; }
   const Problem& problem() const { return problem_; }
-  Stats& stats() { return result_.stats; }
   /// Adds what a solve of a part of the problem took.
   void add(const Stats& of_part);
   const Options& options() const { return options_; }
@@ -55,7 +53,6 @@ class Referee : public Trial {
   bool searched_ = false;  // for a certificate, to the end
   bool part_ = false;
 
-  SearchLimits search_limits() const;
   void ask_existence();
 };
 

@@ -176,9 +176,7 @@ Problem enclosing_problem(const Problem& problem, const Variant& variant) {
 void ask_existence(Run& run, const Problem& problem, const Variant& variant, const RunLimits& limits, Seconds spent) {
   // Interrupted is also that of a method which the judge of its iterates stopped.
   if (run.solved || (limits.interrupt != nullptr && limits.interrupt->load())) return;
-  constexpr Seconds least_search{0.1};
-  const SearchLimits search{.max_time = std::max(least_search, std::min(spent, Seconds(limits.seconds) - spent)),
-                            .interrupt = limits.interrupt};
+  const SearchLimits search = search_after(spent, Seconds(limits.seconds), limits.interrupt);
   if (variant.exact()) {
     run.verdict = existence(problem, search);
   } else {

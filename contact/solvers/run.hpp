@@ -27,8 +27,8 @@ struct RunLimits {
   /// Called, on the thread that solves, with every r that is better by Coulomb's law than those before. Formulations
   /// whose method does not report its iterates never call it.
   std::function<void(const Vec& r)> better{};
-  /// r of a similar problem to begin near, as contact::Options::start; empty: cold. Methods of Coulomb's exact law on r
-  /// and of Glocker's NCP use it, the others begin where they always do.
+  /// r of a similar problem to begin near, as contact::Options::start; empty: cold. `auto`, methods of Coulomb's exact
+  /// law on r and those of ncp/ for Glocker's NCP use it, the others begin where they always do.
   Vec start{};
 };
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "contact/model/checks.hpp"
 #include "contact/solvers/kinks.hpp"
 #include "contact/solvers/places.hpp"
 #include "lcp/solve/refined_lu.hpp"
@@ -85,7 +86,7 @@ class Analysis {
   }
   bool kinked() const { return !out_.degenerate.empty(); }
   std::string at_kinks() const {
-    return contacts_named(out_.degenerate) + (out_.degenerate.size() == 1 ? " is" : " are") +
+    return contacts_text(out_.degenerate, 0) + (out_.degenerate.size() == 1 ? " is" : " are") +
            " at a kink (r_N = u_N = 0, or at the edge of the cone with "
            "u_T = 0, within " +
            ncp::number(options_.degenerate_tol) + ")";
@@ -95,9 +96,9 @@ class Analysis {
   Sensitivity take() { return std::move(out_); }
 
  private:
-  static std::string contacts_named(const std::vector<Index>& contacts);
   void find_kinks(const Dense& directions);
   bool factor();
+  SpMat closed(double on_diagonal) const;
   std::string singular() const;
   Vec velocities_of(const Vec& dp) const;
   /// Returns zeros for what is 0 x 0.
@@ -124,15 +125,6 @@ class Analysis {
   std::vector<std::pair<Index, int>> kink_of_;  // contact and disk of each of the list
   Sensitivity out_;
 };
-
-std::string Analysis::contacts_named(const std::vector<Index>& contacts) {
-  std::string text = contacts.size() == 1 ? "contact " : "contacts ";
-  constexpr std::size_t most = 8;
-  for (std::size_t k = 0; k < std::min(contacts.size(), most); ++k)
-    text += (k == 0 ? "" : ", ") + std::to_string(contacts[k]);
-  if (contacts.size() > most) text += " and " + std::to_string(contacts.size() - most) + " more";
-  return text;
-}
 
 /// visit(contact, number of the disk, disk).
 template <class Visit>
@@ -261,32 +253,31 @@ bool Analysis::factor() {
     for (SpMat::InnerIterator it(K_, j); it; ++it)
       row_scale_[it.row()] = std::max(row_scale_[it.row()], std::abs(it.value()));
   row_scale_ = (row_scale_.array() > 0).select(row_scale_.cwiseInverse(), 1.0);
-  Triplets closed;
-  for (const Index j : rows_)
-    for (SpMat::InnerIterator it(K_, j); it; ++it)
-      closed.emplace_back(static_cast<int>(it.row()), static_cast<int>(row_of_[lcp::at(j)]),
-                          row_scale_[it.row()] * it.value());
-  SpMat block(size, size);
-  block.setFromTriplets(closed.begin(), closed.end());
-  lu_.emplace(std::move(block));
+  lu_.emplace(closed(0));
   out_.rcond = lu_->status() == lcp::LuStatus::Ok ? lu_->rcond() : 0;
   if (out_.rcond > options_.singular_rcond) return true;
   return refuse(SensitivityStatus::Singular, singular());
+}
+
+/// K's columns of closed contacts, equilibrated, plus this on the diagonal.
+SpMat Analysis::closed(double on_diagonal) const {
+  const auto size = static_cast<int>(rows_.size());
+  Triplets entries;
+  for (const Index j : rows_)
+    for (SpMat::InnerIterator it(K_, j); it; ++it)
+      entries.emplace_back(static_cast<int>(it.row()), static_cast<int>(row_of_[lcp::at(j)]),
+                           row_scale_[it.row()] * it.value());
+  for (int i = 0; on_diagonal != 0 && i < size; ++i) entries.emplace_back(i, i, on_diagonal);
+  SpMat block(size, size);
+  block.setFromTriplets(entries.begin(), entries.end());
+  return block;
 }
 
 /// Why: with the vector z that K nearly maps to zero, by inverse iteration with K moved by 1e-9 of its largest entries.
 std::string Analysis::singular() const {
   const auto size = static_cast<Index>(rows_.size());
   const std::string rcond = "reciprocal condition " + ncp::number(out_.rcond);
-  SpMat moved(size, size);
-  Triplets entries;
-  for (const Index j : rows_)
-    for (SpMat::InnerIterator it(K_, j); it; ++it)
-      entries.emplace_back(static_cast<int>(it.row()), static_cast<int>(row_of_[lcp::at(j)]),
-                           row_scale_[it.row()] * it.value());
-  for (int i = 0; i < size; ++i) entries.emplace_back(i, i, 1e-9);
-  moved.setFromTriplets(entries.begin(), entries.end());
-  const lcp::RefinedLu lu(std::move(moved));
+  const lcp::RefinedLu lu(closed(1e-9));
   Vec z = Vec::Ones(size);
   for (Index i = 1; i < size; i += 2) z[i] = 0.5;
   for (int k = 0; k < 3 && lu.status() == lcp::LuStatus::Ok; ++k) z = lu.solve(z).normalized();
@@ -301,10 +292,10 @@ std::string Analysis::singular() const {
   const double velocity = (problem_.W * whole).lpNorm<Eigen::Infinity>();
   const double largest = problem_.W.diagonal().lpNorm<Eigen::Infinity>();
   if (velocity <= 1e-7 * largest)
-    return "the impulses are not unique: those of " + contacts_named(who) +
+    return "the impulses are not unique: those of " + contacts_text(who, 0) +
            " can change together without a change of any velocity, because W is singular there (redundant contacts); " +
            rcond;
-  return "the equations of the contacts that are not open are singular at " + contacts_named(who) +
+  return "the equations of the contacts that are not open are singular at " + contacts_text(who, 0) +
          ", where W is not: friction couples their impulses and slip so that no change, or many, would follow; " +
          rcond;
 }

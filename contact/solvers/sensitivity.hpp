@@ -1,26 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Says how a solution r, u = W r + q of a contact problem (contact/model/problem.hpp) moves with parameters p in R^m
-/// of q, mu and W. With g = dq + dW r, so that du = W dr + g, and t = u_T / |u_T|, n = r_T / |r_T|, a contact obeys
-///     open    r = 0, u_N > 0                          dr = 0
-///     stick   r_N > 0, |r_T| < mu r_N                 du = 0
-///     slip    r_N > 0, |u_T| > 0                      du_N = 0,
-///             dr_T = -mu dr_N t - dmu r_N t - mu r_N (I - t t') du_T / |u_T|
-/// (implicit function theorem on r_T = -mu r_N u_T / |u_T|). At a kink there is only a derivative in each direction dp:
-///     touching, slipping   r = 0, u_N = 0, |u_T| > 0   0 <= dr_N _|_ du_N >= 0,   dr_T = -mu dr_N t
-///     touching, at rest    r = 0, u = 0                (dr, du) obeys Coulomb's law itself
-///     edge                 |r_T| = mu r_N > 0, u = 0   du_N = 0,   du_T = -s n,
-///                                                      0 <= s _|_ dmu r_N + mu dr_N - n'dr_T >= 0
-///     edge of mu = 0       r_N > 0, u = 0, dmu > 0     du_N = 0,   |dr_T| <= dmu r_N,   |du_T| dr_T = -dmu r_N du_T
-/// Without kinks dr solves a linear system of the contacts that are not open. With them, the open ends of that system,
-/// y = (dr of touching contacts, s, dr_T of edges of mu = 0), have responses w = S y + h, and the conditions above
-/// between y and w are again a contact problem with S for W and h for q: an LCP where no touching contact is at rest.
-/// It has one solution for every dp where S is a P-matrix, of an LCP, or (S_Ta, e_Na: the rows of contact a's
-/// velocity and of the unit matrix)
-///     (S + S') / 2 - sum_a mu_a / 2 (c_a S_Ta'S_Ta + e_Na e_Na' / c_a),   c_a > 0,   is positive definite,
-/// because two solutions, with difference d, have d'S d <= sum_a mu_a |S_Ta d| |d_Na|. (The law without derivatives,
-/// and kinks as critical cones: Facchinei & Pang 2003, 5.4; Robinson, Math. Oper. Res. 16 (1991) 292.) Rolling
-/// friction: a second disk with the same conditions, with mu_r and w_R.
+/// of q, mu and W. docs/contact/derivatives.md has the equations of each region, and of the kinks between them, where
+/// there is a derivative in each direction dp only: y, the entries of dr, or of slip, that are free at the kinks, and
+/// w = S y + h obey a contact problem with S for W and h for q, an LCP where no touching contact is at rest. At an edge
+/// of mu = 0 (r_N > 0, u = 0, dmu > 0) du_N = 0, |dr_T| <= dmu r_N and |du_T| dr_T = -dmu r_N du_T.
 #include <string>
 #include <string_view>
 #include <vector>
@@ -83,7 +67,7 @@ Sensitivity sensitivity(const Problem& problem, In r, const ParameterDerivatives
 
 /// Computes lim (r(p + s dp) - r(p)) / s for s -> 0+, and the same for u. Each entry of y costs one more solve, and all
 /// of them together a contact problem, or an LCP, of their number. Its solution is the derivative if it is the only
-/// one. If the conditions above do not say so, an enumeration decides LCPs (up to 20 entries of y); else the answer is
+/// one. If the theory does not say so, an enumeration decides LCPs (up to 20 entries of y); else the answer is
 /// Degenerate, as it is where there are several solutions (paths may branch) or none (the solution may vanish or jump).
 /// Throws also where mu_a = 0 would fall.
 Sensitivity sensitivity(const Problem& problem, In r, const ParameterDerivatives& parameters, In dp,

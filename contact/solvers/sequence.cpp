@@ -48,7 +48,8 @@ void KeptImpulses::keep(int dimension, std::span<const ContactKey> keys, In r) {
     impulses_[keys[a]] = r.segment(dimension * static_cast<Index>(a), dimension);
 }
 
-Sequence::Sequence(SequenceOptions options) : options_(std::move(options)), follower_(std::make_unique<Follower>()) {}
+Sequence::Sequence(SequenceOptions options)
+    : options_(std::move(options)), follower_(std::make_unique<Follower>(*spent_)) {}
 Sequence::~Sequence() = default;
 Sequence::Sequence(Sequence&&) noexcept = default;
 Sequence& Sequence::operator=(Sequence&&) noexcept = default;
@@ -78,27 +79,26 @@ Run Sequence::follow(const Problem& problem, const Vec& start) {
   const Judge is_a_solution(problem);
   Residual last;
   Vec u;
-  const auto accept = [&](const Vec& r) {
+  Origin by = Origin::WarmStart;
+  const auto accept = [&](const Vec& r, Origin made_by) {
     const Vec impulses = coordinates.expand(r);
     if (!impulses.allFinite()) return false;
+    by = made_by;
     last = is_a_solution(impulses, u);
     return accepted(last, limits.tol);
   };
   const auto stop = [&] { return spent() > limits.seconds || (limits.interrupt != nullptr && *limits.interrupt); };
-  const long factorizations = follower_->factorizations();
-  const long steps = follower_->steps();
-  const long path_steps = follower_->path_steps();
-  const long sweeps = follower_->sweeps();
+  *spent_ = {};
   const std::optional<Vec> found = follower_->from(coordinates.reduce(start), accept, stop);
   Run run;
-  run.counts = {{"iterations", follower_->path_steps() - path_steps},
-                {"sweeps", follower_->sweeps() - sweeps},
-                {"newton_steps", follower_->steps() - steps},
-                {"factorizations", follower_->factorizations() - factorizations}};
+  run.counts = {{"iterations", spent_->iterations},
+                {"sweeps", spent_->sweeps},
+                {"newton_steps", spent_->newton_steps},
+                {"factorizations", spent_->factorizations}};
   if (found) {
     run.status = Status::Solved;
     run.solved = true;
-    run.solved_by = to_string(follower_->by());
+    run.solved_by = to_string(by);
     run.message = "solved: followed from the step before";
     run.solution.r = coordinates.expand(*found);
     run.solution.u = std::move(u);  // of the point that was judged last
@@ -113,15 +113,17 @@ Run Sequence::follow(const Problem& problem, const Vec& start) {
   return run;
 }
 
+/// Contacts with two disks are none of the follower's.
+bool Sequence::follows(const Problem& problem) const { return options_.variant.automatic() && !problem.rolls(); }
+
 /// From the step before, then cold.
 Run Sequence::warm_step(const Problem& problem, Vec start) {
-  Run run = options_.variant.automatic() ? follow(problem, start)
-                                         : run_once(problem, std::move(start), options_.limits.seconds);
+  Run run = follows(problem) ? follow(problem, start) : run_once(problem, std::move(start), options_.limits.seconds);
   if (run.solved) ++stats_.warm;
   const bool final = run.solved || run.status == Status::Interrupted || run.status == Status::Infeasible;
   const double left = options_.limits.seconds - run.seconds;
   // The follower gives up by itself: auto must be asked even if it took all of the time.
-  if (final || (left <= 0 && !options_.variant.automatic())) return run;
+  if (final || (left <= 0 && !follows(problem))) return run;
   ++stats_.cold_again;
   Run again = run_once(problem, {}, std::max(left, 0.0));
   again.seconds += run.seconds;
@@ -144,7 +146,7 @@ Run Sequence::step(const Problem& problem, std::span<const ContactKey> keys) {
   if (run.solved) {
     ++stats_.solved;
     kept_.keep(problem.dimension, keys, run.solution.r);
-    if (options_.warm && options_.variant.automatic() && stats_.followed == followed)
+    if (options_.warm && follows(problem) && stats_.followed == followed)
       follower_->remember(follower_->take(problem).reduce(run.solution.r));
   }
   return run;

@@ -69,6 +69,7 @@ class Sequence {
 
  private:
   Run run_once(const Problem& problem, Vec start, double seconds);
+  bool follows(const Problem& problem) const;
   Run follow(const Problem& problem, const Vec& start);
   Run warm_step(const Problem& problem, Vec start);
   void count(const Run& run);
@@ -76,6 +77,7 @@ class Sequence {
   SequenceOptions options_;
   SequenceStats stats_{};
   KeptImpulses kept_{};
+  std::unique_ptr<Stats> spent_ = std::make_unique<Stats>();  // by the follower in this step
   std::unique_ptr<Follower> follower_;
 };
 

@@ -14,12 +14,11 @@
 namespace perp::contact {
 namespace {
 
-bool scales(const Auto& m) { return m.homotopy.scaling; }
-bool scales(const GlockerHomotopy& m) { return m.scaling; }
-bool scales(const GlockerNcp& m) { return m.scaling; }
-template <Classic M>
+template <class M>
 bool scales(const M& m) {
-  if constexpr (requires { m.newton; })
+  if constexpr (requires { m.homotopy; })
+    return m.homotopy.scaling;
+  else if constexpr (requires { m.newton; })
     return m.newton.scaling;
   else
     return m.scaling;
@@ -48,9 +47,6 @@ inline constexpr bool rolls =
     std::is_same_v<M, Hyperplane> || std::is_same_v<M, AlartCurnierNewton>;
 
 double larger_metric(const Residual& residual) { return std::max(residual.siconos, residual.rr9118); }
-
-/// Of a search for a certificate or a witness.
-constexpr std::chrono::duration<double> least_search{0.1};
 
 }  // namespace
 
@@ -183,31 +179,23 @@ bool Referee::over() {
 }
 
 void Referee::add(const Stats& of_part) {
-  Stats& s = result_.stats;
-  s.iterations += of_part.iterations;
-  s.sweeps += of_part.sweeps;
-  s.newton_steps += of_part.newton_steps;
-  s.splitting_steps += of_part.splitting_steps;
-  s.proximal_steps += of_part.proximal_steps;
-  s.attempts += of_part.attempts;
-  s.factorizations += of_part.factorizations;
+  stats.iterations += of_part.iterations;
+  stats.sweeps += of_part.sweeps;
+  stats.newton_steps += of_part.newton_steps;
+  stats.splitting_steps += of_part.splitting_steps;
+  stats.proximal_steps += of_part.proximal_steps;
+  stats.attempts += of_part.attempts;
+  stats.factorizations += of_part.factorizations;
 }
 
 double Referee::seconds_left() const {
   return std::chrono::duration<double>(options_.max_time - (std::chrono::steady_clock::now() - begin_)).count();
 }
 
-/// As long as the run has taken, of the time that is left, and a tenth of a second at least.
-SearchLimits Referee::search_limits() const {
-  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin_;
-  return {.max_time = std::max(least_search, std::min(spent, options_.max_time - spent)),
-          .interrupt = options_.interrupt};
-}
-
 bool Referee::no_solution() {
   if (searched_ || part_ || result_.status == Status::Solved || result_.status == Status::Interrupted) return over();
   const auto begin = std::chrono::steady_clock::now();
-  const SearchLimits limits = search_limits();
+  const SearchLimits limits = search_after(begin - begin_, options_.max_time, options_.interrupt);
   std::optional<Infeasible> proof = find_infeasibility(problem_, limits);
   searched_ = proof || std::chrono::steady_clock::now() - begin < limits.max_time;
   if (proof) {
@@ -221,7 +209,7 @@ bool Referee::no_solution() {
 void Referee::ask_existence() {
   const auto unknown = [this] { return result_.status == Status::NoProgress || result_.status == Status::TimeLimit; };
   const auto begin = std::chrono::steady_clock::now();
-  SearchLimits limits = search_limits();
+  SearchLimits limits = search_after(begin - begin_, options_.max_time, options_.interrupt);
   if (unknown()) no_solution();
   limits.max_time -= std::chrono::steady_clock::now() - begin;
   if (unknown()) result_.verdict = verdict_without_certificate(problem_, limits);
@@ -229,9 +217,6 @@ void Referee::ask_existence() {
 
 Result Referee::result(const std::string& message) {
   ask_existence();
-  result_.stats.iterations += effort.iterations;
-  result_.stats.sweeps += effort.sweeps;
-  result_.stats.factorizations += effort.factorizations;
   if (result_.solution.u.size() != result_.solution.r.size())
     result_.residual = judge_(result_.solution.r, result_.solution.u);
   std::ostringstream text;
@@ -255,6 +240,7 @@ Result Referee::result(const std::string& message) {
   if ((result_.status == Status::NoProgress || result_.status == Status::TimeLimit) && !result_.verdict.message.empty())
     text << "; " << result_.verdict.message;
   result_.message = text.str();
+  result_.stats = stats;
   result_.stats.time = std::chrono::steady_clock::now() - begin_;
   return std::move(result_);
 }

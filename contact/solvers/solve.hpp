@@ -132,17 +132,6 @@ struct Record {
   double rr9118 = 0;
 };
 
-struct Stats {
-  int iterations = 0;       ///< homotopy steps, or iterations of the ncp method or of a classic
-  int sweeps = 0;           ///< over all contacts; of Cadoux iterations of ADMM
-  int newton_steps = 0;     ///< on Alart & Curnier's equation
-  int splitting_steps = 0;  ///< of Douglas & Rachford's splitting: a solve each
-  int proximal_steps = 0;   ///< moves of the proximal loop's centre
-  int attempts = 0;
-  int factorizations = 0;
-  std::chrono::duration<double> time{0};
-};
-
 struct Result {
   Status status = Status::NoProgress;
   std::string message;

@@ -73,15 +73,15 @@ TEST(ClassicsByBodies, NewtonDirections) {
   Random random(21);
   for (int k = 0; k < 40; ++k) {
     const Scaled problem = scaled(random_problem(random, 2 + k % 2, 4, 3 + k % 7, 0.8), true, WForm::Parts);
-    NewtonMatrix matrix(problem);
-    ASSERT_TRUE(matrix.by_bodies());
+    ContactSystem matrix(problem);
+    ASSERT_EQ(matrix.form(), ContactSystem::Form::Bodies);
     const Vec r = random.normals(problem.size());
     for (const RowsOf& rows_of : equations(problem)) {
       const NewtonSystem system = newton_system(problem, rows_of, r, problem.W * r + problem.q);
       int directions = 0;
       for (const double alpha : {1e-10, 1e-8, 1e-6, 1e-4}) {
         Vec d;
-        if (!matrix.factor(system.rows, alpha) || !matrix.solve(system.c, d)) continue;
+        if (!newton_direction(problem, matrix, system, alpha, d)) continue;
         ++directions;
         const Vec rest = dense_matrix(problem, system.rows, alpha) * d - system.c;
         EXPECT_LE(rest.norm(), 1e-5 * system.c.norm()) << k << ' ' << alpha;
@@ -97,11 +97,13 @@ TEST(ClassicsByBodies, ADirectionSolvesTheSystemOrIsRefused) {
   Random random(22);
   for (int k = 0; k < 40; ++k) {
     const Scaled problem = scaled(random_problem(random, 3, 3, 6, 0.8), true, WForm::Parts);
-    NewtonMatrix matrix(problem);
+    ContactSystem matrix(problem);
     std::vector<ContactRows> rows(problem.blocks.size());
     Vec d;
     const Vec c = random.normals(problem.size());
-    const auto solves = [&](double alpha) { return matrix.factor(rows, alpha) && matrix.solve(c, d); };
+    const auto solves = [&](double alpha) {
+      return newton_direction(problem, matrix, {.rows = rows, .c = c}, alpha, d);
+    };
     for (ContactRows& of : rows) of = {.A = Eigen::Matrix3d::Identity(), .B = Eigen::Matrix3d::Identity()};
     EXPECT_TRUE(solves(1e-10));
     rows[1] = {};

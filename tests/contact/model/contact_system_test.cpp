@@ -20,14 +20,22 @@ using Block = Eigen::Matrix3d;
 
 Block random_block(Random& random) { return Dense(random.normals(3, 3)); }
 
-/// Definite ones, and what is added to W for them to stay so.
-std::vector<Block> definite_blocks(const Scaled& problem, double scale, Random& random) {
-  std::vector<Block> blocks;
-  for (std::size_t a = 0; a < problem.blocks.size(); ++a) {
+/// A + W with definite A.
+struct Definite {
+  std::vector<Block> A{};
+  std::vector<Block> inverse{};
+  std::vector<ContactRows> rows{};
+};
+Definite definite_blocks(const Scaled& problem, double scale, Random& random) {
+  Definite out;
+  for (const Scaled::Block& block : problem.blocks) {
     const Block X = random_block(random);
-    blocks.emplace_back(scale * (X * X.transpose() + 0.1 * Block::Identity()));
+    const Block& A = out.A.emplace_back(scale * (X * X.transpose() + 0.1 * Block::Identity()));
+    out.inverse.emplace_back(Block::Zero()).topLeftCorner(block.size, block.size) =
+        Dense(A.topLeftCorner(block.size, block.size)).inverse();
+    out.rows.push_back({.A = A, .B = Block::Identity()});
   }
-  return blocks;
+  return out;
 }
 
 /// (A + B W) x - c.
@@ -40,6 +48,19 @@ Vec residual_of(const Scaled& problem, const std::vector<ContactRows>& rows, con
                                     rows[a].B.topLeftCorner(b.size, b.size) * Wx.segment(b.first, b.size);
   }
   return out;
+}
+
+/// Solves, without refinement as well, and with the factors that there are.
+void expect_solved(ContactSystem& system, const Scaled& problem, const std::vector<ContactRows>& rows, const Vec& c,
+                   double tol) {
+  const int factorizations = system.factorizations();
+  Vec x;
+  Vec once;
+  system.solve(c, x);
+  EXPECT_LE(residual_of(problem, rows, x, c).norm(), tol * (1 + x.norm()));
+  system.solve_once(c, once);
+  EXPECT_LE((once - x).norm(), 1e-7 * x.norm());
+  EXPECT_EQ(system.factorizations(), factorizations);
 }
 
 /// The same problem of which no parts are known.
@@ -66,25 +87,6 @@ std::vector<Scaled> constrained_scenes() {
   return all;
 }
 
-// One solve without refinement is that with it but for rounding, by contacts and by bodies. Catches one that leaves a
-// part of the matrix out.
-TEST(ContactSystem, SolvesOnceWithoutRefinement) {
-  Random random(9);
-  for (const Scaled& given : scenes())
-    for (const Scaled& problem : {given, without_bodies(given)}) {
-      ContactSystem system(problem);
-      const std::vector<Block> D(problem.blocks.size(), 0.1 * Block::Identity());
-      const std::vector<Block> inverse(problem.blocks.size(), 10 * Block::Identity());
-      ASSERT_TRUE(system.factor(D, inverse));
-      const Vec c = random.normals(problem.size(), 1);
-      Vec x;
-      Vec once;
-      system.solve(c, x);
-      system.solve_once(c, once);
-      EXPECT_LE((once - x).norm(), 1e-9 * x.norm());
-    }
-}
-
 // W~ = H~' M~^-1 H~ entry by entry: catches a weight or a unit that only one of them has.
 TEST(ContactSystem, PartsMakeW) {
   for (const Scaled& problem : scenes()) {
@@ -96,7 +98,8 @@ TEST(ContactSystem, PartsMakeW) {
 }
 
 // Both forms give the x of (A + W) x = c for definite A of many sizes and for unsymmetric A, the first by Cholesky in
-// both. Dense LU is the judge. Catches entries of H E H' that miss their place, and lost digits where A is small.
+// both; without refinement it is the same but for rounding. Catches entries of H E H' that miss their place, and lost
+// digits where A is small.
 TEST(ContactSystem, BothFormsSolveTheSameSystem) {
   Random random(1);
   for (const Scaled& problem : scenes()) {
@@ -106,29 +109,18 @@ TEST(ContactSystem, BothFormsSolveTheSameSystem) {
     ASSERT_EQ(bodies.form(), ContactSystem::Form::Bodies);
     ASSERT_EQ(contacts.form(), ContactSystem::Form::Contacts);
     const Vec c = random.normals(problem.size());
-    Vec x;
     for (const double scale : {1e3, 1.0, 1e-3, 1e-6}) {
-      const std::vector<Block> A = definite_blocks(problem, scale, random);
-      std::vector<Block> inverse;
-      std::vector<ContactRows> rows;
-      for (std::size_t a = 0; a < A.size(); ++a) {
-        const int size = problem.blocks[a].size;
-        Block& of = inverse.emplace_back(Block::Zero());
-        of.topLeftCorner(size, size) = Dense(A[a].topLeftCorner(size, size)).inverse();
-        rows.push_back({.A = A[a], .B = Block::Identity()});
-      }
+      auto [A, inverse, rows] = definite_blocks(problem, scale, random);
       for (ContactSystem* system : {&bodies, &contacts}) {
         ASSERT_TRUE(system->factor(A, inverse));
         EXPECT_TRUE(system->by_cholesky());
-        system->solve(c, x);
-        EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-9 * (1 + x.norm()));
+        expect_solved(*system, problem, rows, c, 1e-9);
       }
       for (ContactRows& of : rows) of.A += 0.3 * scale * (random_block(random) - random_block(random));
       for (ContactSystem* system : {&bodies, &contacts}) {
         ASSERT_TRUE(system->factor(rows));
         EXPECT_FALSE(system->by_cholesky());
-        system->solve(c, x);
-        EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-8 * (1 + x.norm()));
+        expect_solved(*system, problem, rows, c, 1e-8);
       }
     }
     EXPECT_EQ(bodies.factorizations(), 8);
@@ -144,13 +136,10 @@ TEST(ContactSystem, SolvesWithAShift) {
     Scaled shifted = problem;
     shifted.W = problem.W.plus(0.3);
     ContactSystem system(shifted, of_all);
-    std::vector<ContactRows> rows;
-    for (const Block& A : definite_blocks(problem, 1, random)) rows.push_back({.A = A, .B = 2 * Block::Identity()});
+    std::vector<ContactRows> rows = definite_blocks(problem, 1, random).rows;
+    for (ContactRows& of : rows) of.B *= 2;
     ASSERT_TRUE(system.factor(rows));
-    const Vec c = random.normals(problem.size(), 1);
-    Vec x;
-    system.solve(c, x);
-    EXPECT_LE(residual_of(shifted, rows, x, c).norm(), 1e-9 * (1 + x.norm()));
+    expect_solved(system, shifted, rows, random.normals(problem.size(), 1), 1e-9);
   }
 }
 
@@ -169,10 +158,7 @@ TEST(ContactSystem, AnotherWMayBeUnsymmetric) {
   ASSERT_TRUE(system.factor(A, A));
   EXPECT_FALSE(system.by_cholesky());
   const std::vector<ContactRows> rows(A.size(), {.A = Block::Identity(), .B = Block::Identity()});
-  const Vec c = random.normals(first.size());
-  Vec x;
-  system.solve(c, x);
-  EXPECT_LE(residual_of(second, rows, x, c).norm(), 1e-9 * (1 + x.norm()));
+  expect_solved(system, second, rows, random.normals(first.size()), 1e-9);
 }
 
 // Newton's rows on Alart & Curnier's equation: contacts that stick (A = 1e-10, B = 1) and open ones (A = 1, B = 0), in
@@ -212,34 +198,21 @@ TEST(ContactSystem, CouplingsAreSolvedApart) {
   Random random(5);
   for (const Scaled& problem : scenes()) {
     const Scaled alone = without_bodies(problem);
-    const std::vector<Block> A = definite_blocks(problem, 0.1, random);
-    std::vector<Block> inverse;
-    for (std::size_t a = 0; a < A.size(); ++a) {
-      const int size = problem.blocks[a].size;
-      inverse.emplace_back(Block::Zero()).topLeftCorner(size, size) = Dense(A[a].topLeftCorner(size, size)).inverse();
-    }
+    const Definite given = definite_blocks(problem, 0.1, random);
     const Vec c = random.normals(problem.size());
     for (const std::size_t every : {std::size_t{7}, std::size_t{1}}) {
-      std::vector<ContactRows> rows;
+      std::vector<ContactRows> rows = given.rows;
       std::vector<ContactCoupling> couplings;
-      for (std::size_t a = 0; a < A.size(); ++a) {
-        rows.push_back({.A = A[a], .B = Block::Identity()});
-        if (a % every != 0) continue;
+      for (std::size_t a = 0; a < rows.size(); a += every) {
         const Block X = random_block(random);
         couplings.push_back({.contact = a, .p = X.col(0), .q = 0.1 * X.col(1)});
-        rows.back().A += couplings.back().p * couplings.back().q.transpose();
+        rows[a].A += couplings.back().p * couplings.back().q.transpose();
       }
       for (const Scaled* of : {&problem, &alone}) {
         ContactSystem system(*of);
-        ASSERT_TRUE(system.factor(A, inverse, couplings));
+        ASSERT_TRUE(system.factor(given.A, given.inverse, couplings));
         EXPECT_EQ(system.by_cholesky(), every > 1);
-        Vec x;
-        system.solve(c, x);
-        EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-9 * (1 + x.norm()));
-        Vec once;
-        system.solve_once(c, once);
-        EXPECT_LE((once - x).norm(), 1e-8 * x.norm());
-        EXPECT_EQ(system.factorizations(), 1);
+        expect_solved(system, problem, rows, c, 1e-9);
       }
     }
   }
@@ -249,28 +222,16 @@ TEST(ContactSystem, CouplingsAreSolvedApart) {
 TEST(ContactSystem, ManyCouplingsAreSolvedApart) {
   Random random(5);
   const Scaled problem = scaled(make_scene("wall", 600).problem(), true, WForm::Parts);
-  const std::vector<Block> A = definite_blocks(problem, 1, random);
-  std::vector<Block> inverse;
-  std::vector<ContactRows> rows;
+  auto [A, inverse, rows] = definite_blocks(problem, 1, random);
   std::vector<ContactCoupling> couplings;
-  for (std::size_t a = 0; a < A.size(); ++a) {
-    inverse.emplace_back(A[a].inverse());
-    rows.push_back({.A = A[a], .B = Block::Identity()});
-    if (a % 2 == 0) continue;
+  for (std::size_t a = 1; a < A.size(); a += 2) {
     couplings.push_back({.contact = a, .p = Eigen::Vector3d::UnitX(), .q = 0.01 * random_block(random).col(0)});
-    rows.back().A += couplings.back().p * couplings.back().q.transpose();
+    rows[a].A += couplings.back().p * couplings.back().q.transpose();
   }
   ASSERT_GT(couplings.size(), 256U);
-  const Vec c = random.normals(problem.size());
   ContactSystem system(problem);
   ASSERT_TRUE(system.factor(A, inverse, couplings));
-  Vec x;
-  system.solve(c, x);
-  EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-8 * (1 + x.norm()));
-  Vec once;
-  system.solve_once(c, once);
-  EXPECT_LE((once - x).norm(), 1e-7 * x.norm());
-  EXPECT_EQ(system.factorizations(), 1);
+  expect_solved(system, problem, rows, random.normals(problem.size()), 1e-8);
 }
 
 /// W, each entry above the diagonal changed by up to this part of the largest.
@@ -291,15 +252,12 @@ TEST(ContactSystem, RoundingOfWIsRefinedAway) {
   for (const Scaled& problem : scenes())
     for (const double by : {1e-13, 1e-3}) {
       const Scaled alone = unsymmetric(problem, by, random);
-      std::vector<ContactRows> rows;
-      for (const Block& A : definite_blocks(alone, 1e-3, random)) rows.push_back({.A = A, .B = Block::Identity()});
+      const std::vector<ContactRows> rows = definite_blocks(alone, 1e-3, random).rows;
       const Vec c = random.normals(problem.size());
       ContactSystem system(alone);
       ASSERT_TRUE(system.factor(rows));
       EXPECT_EQ(system.by_cholesky(), by < 1e-12);
-      Vec x;
-      system.solve(c, x);
-      EXPECT_LE(residual_of(alone, rows, x, c).norm(), 1e-12 * (1 + x.norm()));
+      expect_solved(system, alone, rows, c, 1e-12);
     }
 }
 
@@ -314,9 +272,7 @@ TEST(ContactSystem, IndefiniteBlocksAreFactoredByLu) {
     for (const Scaled* of : {&problem, &alone}) {
       ContactSystem system(*of);
       ASSERT_TRUE(system.factor(A, inverse));
-      Vec x;
-      system.solve(c, x);
-      EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-10);
+      expect_solved(system, problem, rows, c, 1e-10);
     }
   }
 }
@@ -328,34 +284,20 @@ TEST(ContactSystem, BilateralConstraintsAreInTheMatrix) {
   for (const Scaled& problem : constrained_scenes()) {
     ASSERT_NE(problem.W.parts(), nullptr);
     ContactSystem system(problem);
-    const std::size_t contacts = problem.blocks.size();
     const Vec c = random.normals(problem.size(), 1);
-    Vec x;
-    std::vector<ContactRows> rows(contacts);
+    std::vector<ContactRows> rows(problem.blocks.size());
     for (ContactRows& of : rows) of = {.A = random_block(random), .B = random_block(random)};
     ASSERT_TRUE(system.factor(rows));
     EXPECT_FALSE(system.by_cholesky());
-    system.solve(c, x);
-    EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-9 * c.norm());
+    expect_solved(system, problem, rows, c, 1e-9);
 
-    const std::vector<Block> A = definite_blocks(problem, 1e-3, random);
-    std::vector<Block> inverse;
-    for (std::size_t a = 0; a < contacts; ++a) {
-      const int size = problem.blocks[a].size;
-      inverse.emplace_back(Block::Zero());
-      inverse.back().topLeftCorner(size, size) = A[a].topLeftCorner(size, size).inverse();
-      rows[a] = {.A = A[a], .B = Block::Identity()};
-    }
+    Definite given = definite_blocks(problem, 1e-3, random);
     const ContactCoupling slips{.contact = 3, .p = {0, 0.5, -0.2}, .q = {1, 0, 0}};
     for (const bool coupled : {false, true}) {
-      ASSERT_TRUE(system.factor(A, inverse, coupled ? std::vector{slips} : std::vector<ContactCoupling>()));
+      ASSERT_TRUE(system.factor(given.A, given.inverse, coupled ? std::vector{slips} : std::vector<ContactCoupling>()));
       EXPECT_FALSE(system.by_cholesky());
-      if (coupled) rows[3].A += slips.p * slips.q.transpose();
-      system.solve(c, x);
-      EXPECT_LE(residual_of(problem, rows, x, c).norm(), 1e-9 * c.norm()) << coupled;
-      Vec once;
-      system.solve_once(c, once);
-      EXPECT_LE((once - x).norm(), 1e-7 * x.norm()) << coupled;
+      if (coupled) given.rows[3].A += slips.p * slips.q.transpose();
+      expect_solved(system, problem, given.rows, c, 1e-9);
     }
     EXPECT_FALSE(problem.W.formed());
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "contact/model/random_global.hpp"
+#include "contact/refusal.hpp"
 #include "support/matrices.hpp"
 
 namespace perp::contact {
@@ -25,12 +26,7 @@ Problem good() {
 }
 
 std::string why_not(const Problem& p) {
-  try {
-    check(p);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
+  return test::refusal_of([&] { check(p); });
 }
 
 // Each refusal names what, where and the value.

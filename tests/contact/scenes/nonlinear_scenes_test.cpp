@@ -3,8 +3,8 @@
 
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
+#include "contact/refusal.hpp"
 #include "contact/scenes/elastic_rod.hpp"
 #include "contact/scenes/pendulum_chain.hpp"
 
@@ -105,19 +105,11 @@ TEST(ElasticRod, ComesToRestUnderItsLoad) {
 }
 
 TEST(NonlinearScenes, RefuseWithTheNameOfTheField) {
-  const auto refusal = [](auto make) -> std::string {
-    try {
-      make();
-    } catch (const std::invalid_argument& error) {
-      return error.what();
-    }
-    return "accepted";
-  };
-  EXPECT_EQ(refusal([] { PendulumChain{.h = -1}.step(PendulumChain{}.straight(0)); }),
+  EXPECT_EQ(test::refusal_of([] { PendulumChain{.h = -1}.step(PendulumChain{}.straight(0)); }),
             "pendulum chain: h is -1; it must be positive");
-  EXPECT_NE(refusal([] { PendulumChain{}.step(PendulumChain{.links = 3}.straight(0)); }).find("3 entries"),
+  EXPECT_NE(test::refusal_of([] { PendulumChain{}.step(PendulumChain{.links = 3}.straight(0)); }).find("3 entries"),
             std::string::npos);
-  EXPECT_EQ(refusal([] { ElasticRod{.mu = -0.5}.step(ElasticRod{}.straight()); }),
+  EXPECT_EQ(test::refusal_of([] { ElasticRod{.mu = -0.5}.step(ElasticRod{}.straight()); }),
             "elastic rod: mu is -0.5; it must be at least 0");
 }
 

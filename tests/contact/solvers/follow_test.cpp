@@ -15,9 +15,10 @@ namespace {
 
 /// The next problem of a scene, from the impulses of the last one.
 std::optional<Vec> followed(const Problem& problem, const Vec& start) {
-  Follower follower;
+  Stats spent;
+  Follower follower(spent);
   const Scaled& coordinates = follower.take(problem);
-  const auto accept = [&](const Vec& r) { return accepted(residual(problem, coordinates.expand(r)), 1e-8); };
+  const auto accept = [&](const Vec& r, Origin) { return accepted(residual(problem, coordinates.expand(r)), 1e-8); };
   return follower.from(coordinates.reduce(start), accept, [] { return false; });
 }
 
@@ -107,7 +108,8 @@ TEST(Follower, KeepsFactorsWhereContactsSlip) {
 TEST(Follower, StopsOnItsPaths) {
   ShakenScene scene(make_scene("chain", 60), {.amplitude = 1});
   Sequence sequence;
-  Follower follower;
+  Stats spent;
+  Follower follower(spent);
   for (int k = 0; k < 60; ++k) {
     const Problem problem = scene.problem();
     const contact::Run run = sequence.step(problem);
@@ -116,15 +118,15 @@ TEST(Follower, StopsOnItsPaths) {
     scene.advance(start);
     const Problem next = scene.problem();
     const Scaled& coordinates = follower.take(next);
-    const long before = follower.path_steps();
+    const int before = spent.iterations;
     bool stopped = false;
-    const auto stop = [&] { return stopped = stopped || follower.path_steps() > before + 1; };
-    const auto accept = [&](const Vec& r) { return accepted(residual(next, coordinates.expand(r)), 1e-8); };
+    const auto stop = [&] { return stopped = stopped || spent.iterations > before + 1; };
+    const auto accept = [&](const Vec& r, Origin) { return accepted(residual(next, coordinates.expand(r)), 1e-8); };
     const auto found = follower.from(coordinates.reduce(start), accept, stop);
     EXPECT_FALSE(stopped && found) << k;
-    EXPECT_LE(follower.path_steps() - before, 2) << k;
+    EXPECT_LE(spent.iterations - before, 2) << k;
   }
-  EXPECT_GT(follower.path_steps(), 0);
+  EXPECT_GT(spent.iterations, 0);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "contact/existence/existence.hpp"
 #include "contact/laws/glocker.hpp"
 #include "contact/solvers/run.hpp"
+#include "contact/solvers/sequence.hpp"
 #include "contact/solvers/solve.hpp"
 #include "ncp/problem/mcp.hpp"
 #include "ncp/problem/residual.hpp"
@@ -233,6 +234,16 @@ TEST(Rolling, ExistenceIsDecided) {
   EXPECT_EQ(infeasibility_radius(alone, vec({1})), lcp::infinity);
   alone.mu_r[0] = 0.5;
   EXPECT_LT(infeasibility_radius(alone, vec({1})), 3);
+}
+
+// What follows sequences knows one disk. Catches a system of three entries a contact that is given five.
+TEST(Rolling, SequencesGoOn) {
+  Sequence sequence;
+  for (const double push : {0.6, 0.7, 2.5}) {
+    const contact::Run run = sequence.step(rolling_point(vec({-3, push, -0.8, 0.3, 0.4}), 0.4, 0.1));
+    EXPECT_TRUE(run.solved) << push << ": " << run.message;
+  }
+  EXPECT_EQ(sequence.stats().solved, 3);
 }
 
 TEST(Rolling, IsChecked) {

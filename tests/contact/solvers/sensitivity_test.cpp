@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "contact/contact_support.hpp"
+#include "contact/refusal.hpp"
 #include "contact/scenes/rigid_bodies.hpp"
 #include "contact/solvers/solve.hpp"
 
@@ -328,7 +329,7 @@ TEST(ContactSensitivity, RefusesImpulsesThatAreNotUniqueWithNames) {
   ASSERT_TRUE(solved.solved());
   const Sensitivity s = sensitivity(problem, solved.solution.r, by_q_and_mu(problem));
   EXPECT_EQ(s.status, SensitivityStatus::Singular);
-  EXPECT_THAT(s.message, HasSubstr("contacts 1, 2, 3, 4 can change together"));
+  EXPECT_THAT(s.message, HasSubstr("contacts 1, 2, 3 and 4 can change together"));
   EXPECT_EQ(s.dr.size(), 0);
 }
 
@@ -418,12 +419,7 @@ TEST(ContactSensitivity, RefusesWhatIsNoSolutionAndMalformedInput) {
   EXPECT_THAT(s.message, HasSubstr("worst at contact 0"));
   EXPECT_TRUE(s.regions.empty());
   const auto refused = [&](const ParameterDerivatives& p, const SensitivityOptions& o, const char* why) {
-    try {
-      sensitivity(problem, r, p, o);
-      ADD_FAILURE() << why;
-    } catch (const std::invalid_argument& error) {
-      EXPECT_THAT(error.what(), HasSubstr(why));
-    }
+    EXPECT_THAT(test::refusal_of([&] { sensitivity(problem, r, p, o); }), HasSubstr(why));
   };
   const SpMat dq = sparse(Dense::Identity(2, 2));
   refused({}, {}, "no parameters");

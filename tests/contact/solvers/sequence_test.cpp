@@ -4,24 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "contact/refusal.hpp"
 #include "contact/scenes/shaken_scene.hpp"
 
 namespace perp::contact {
 namespace {
 
-std::string refusal_in(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "accepted";
-}
+using test::refusal_of;
 
 // Impulses go with their keys, whatever the order; new contacts begin with zero, and those that are gone are forgotten.
 TEST(KeptImpulses, GoWithTheirKeys) {
@@ -38,7 +31,7 @@ TEST(KeptImpulses, GoWithTheirKeys) {
   kept.keep(3, std::vector<ContactKey>{9}, r.head(3));
   EXPECT_EQ(kept.start(3, first).size(), 0);
   const std::vector<ContactKey> twice{1, 1};
-  EXPECT_NE(refusal_in([&] { kept.start(3, twice); }).find("key 1 of contact 1"), std::string::npos);
+  EXPECT_NE(refusal_of([&] { kept.start(3, twice); }).find("key 1 of contact 1"), std::string::npos);
 }
 
 // A shaken arch: each step is accepted by the judge of its own problem, by every method, and the velocities are those
@@ -175,7 +168,7 @@ TEST(Sequence, KnowsTheStepBeforeByItsKeys) {
   sequence.forget();
   EXPECT_NE(sequence.step(problem, keys).solved_by, "warm-start");
   keys.pop_back();
-  EXPECT_NE(refusal_in([&] { sequence.step(problem, keys); }).find("keys"), std::string::npos);
+  EXPECT_NE(refusal_of([&] { sequence.step(problem, keys); }).find("keys"), std::string::npos);
 }
 
 // Contacts come and go: the second step has one contact less and is no continuation by order, but by keys.
@@ -202,7 +195,7 @@ TEST(ShakenScene, RestsWithoutShaking) {
   }
   EXPECT_LE(scene.velocities().norm(), 1e-6);
   EXPECT_LE(scene.gaps().maxCoeff(), 1e-8);
-  EXPECT_NE(refusal_in([&] { ShakenScene(made, {.direction = Vec3(1, 1, 0)}); }).find("direction"), std::string::npos);
+  EXPECT_NE(refusal_of([&] { ShakenScene(made, {.direction = Vec3(1, 1, 0)}); }).find("direction"), std::string::npos);
 }
 
 // A single box on the ground with mu = 0.5 follows 2 m/s^2 of the table, and not 8: then it slides by the difference.
