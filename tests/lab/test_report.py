@@ -8,7 +8,6 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 
 import pytest
 from conftest import ROOT, compare, sol
@@ -18,7 +17,7 @@ from perp.lab.files import cell_line
 from perp.lab.report import write_report
 
 sys.path.insert(0, str(ROOT / "tests" / "support"))
-from browser import CUT, Browser  # noqa: E402
+from browser import CUT, browser  # noqa: E402, F401  (the fixture)
 
 
 @pytest.fixture(scope="session")
@@ -107,14 +106,6 @@ def test_journal_with_strange_lines(campaign, tmp_path):
     assert "1 of them are not finished" in topics["What ran"]
     page = (folder / "report.html").read_text()
     assert "3 lines of cells.jsonl left out" in page
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-        made = Browser(folder)
-        yield made
-        made.close()
 
 
 # Catches charts and tables that a phone cuts off, and scripts that fail.

@@ -4,8 +4,11 @@
 import json
 import socket
 import subprocess
+import tempfile
 import time
 import urllib.request
+
+import pytest
 
 CUT = """const width = document.documentElement.clientWidth;
 return [...document.querySelectorAll("body *")].filter((e) => { const r = e.getBoundingClientRect();
@@ -76,3 +79,11 @@ class Browser:
         while not self.run(f"return Boolean({condition})"):
             assert time.monotonic() < end, f"not within {seconds} s: {condition}; the page says: " + self.run("return document.body.innerText")
             time.sleep(0.05)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        made = Browser(folder)
+        yield made
+        made.close()

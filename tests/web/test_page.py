@@ -7,7 +7,6 @@ import json
 import os
 import random
 import sys
-import tempfile
 from pathlib import Path
 
 import pytest
@@ -19,7 +18,7 @@ PAGE = Path(os.environ["PERP_WEB"]) / "page" / "index.html"
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 sys.path.insert(0, str(ROOT / "packaging" / "portable"))
 import check  # noqa: E402
-from browser import CUT, Browser  # noqa: E402
+from browser import CUT, browser  # noqa: E402, F401  (the fixture)
 
 ENTER, TAB = "\ue007", "\ue004"
 SOLVED = "document.getElementById('status').textContent.match(/ after [0-9.]+ s[.]/)"
@@ -27,14 +26,6 @@ TABLE = "return [...document.querySelectorAll('#table tbody tr')].map((row) => [
 SAVED = """const kept = URL.createObjectURL;
   URL.createObjectURL = (blob) => { blob.text().then((text) => { window.saved = text; }); return kept(blob); };
   document.getElementById('save-FORM').click(); URL.createObjectURL = kept;"""
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-        made = Browser(folder)
-        yield made
-        made.close()
 
 
 @pytest.fixture(params=[1280, 400])

@@ -12,9 +12,6 @@ if not __package__:  # run as a folder: the rest of the package perp is not aske
 
 from perp.lab.compare import compare, report, run
 
-COMMANDS = {"compare": compare, "report": report}
-
 if __name__ == "__main__":
-    if len(sys.argv) < 2 or sys.argv[1] not in COMMANDS:
-        sys.exit(f"python3 -m perp.lab {'|'.join(COMMANDS)}; 'compare --help' explains")
-    sys.exit(run(COMMANDS[sys.argv[1]], sys.argv[2:]))
+    command = {"compare": compare, "report": report}.get("".join(sys.argv[1:2]))
+    sys.exit(run(command, sys.argv[2:]) if command else "python3 -m perp.lab compare|report; 'compare --help' explains")

@@ -3,7 +3,6 @@
 
 import argparse
 import contextlib
-import importlib.util
 import json
 import os
 import platform
@@ -34,14 +33,6 @@ def note(text):
     print(f"perp: note: {text}", file=sys.stderr)
 
 
-def need_packages():
-    """Before anything runs: what the report is made with is there."""
-    for name in ("numpy", "matplotlib", "jinja2"):
-        if importlib.util.find_spec(name) is None:
-            where = f"Debian has python3-{name}, pip install 'perp[lab]' elsewhere"
-            raise InputError(f"{sys.executable} has no {name}: {where}")
-
-
 class Program:
     """The program perp."""
 
@@ -57,10 +48,9 @@ class Program:
     def json(self, *arguments):
         """What the program answers. Raises InputError with its words where it refuses."""
         run = subprocess.run([self.path, *arguments], stdin=subprocess.DEVNULL, capture_output=True, check=False)
-        try:
+        answer = {}
+        with contextlib.suppress(ValueError):
             answer = json.loads(run.stdout)
-        except ValueError:
-            answer = {}
         if run.returncode not in (0, 1) or not answer:
             error = run.stderr.decode("utf-8", "replace").strip() or f"exit code {run.returncode}"
             raise InputError(answer.get("message", error).removeprefix("perp: "))
@@ -84,14 +74,16 @@ def cores():
 # Options that commands have in common.
 
 
-def between(low, high, kind=float):
-    def check(text):
-        value = kind(text)
-        if not low <= value <= high:
-            raise argparse.ArgumentTypeError(f"{text}: a number from {low:g} to {high:g} is asked for")
-        return value
+def between(low, high, kind=float, many=False):
+    """Of a number, or of many with commas between them, which are sorted."""
 
-    check.__name__ = "number"
+    def check(text):
+        values = sorted({kind(word) for word in (text.split(",") if many else [text])})
+        if not all(low <= value <= high for value in values):
+            raise argparse.ArgumentTypeError(f"{text}: a number from {low:g} to {high:g} is asked for")
+        return values if many else values[0]
+
+    check.__name__ = "list" if many else "number"
     return check
 
 

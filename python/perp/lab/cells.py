@@ -7,7 +7,6 @@ stays open, and `--resume` runs it again.
 """
 
 import itertools
-import json
 import math
 import os
 import random
@@ -17,6 +16,7 @@ import signal
 import tempfile
 from collections import Counter
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from .files import NotSeen, number
 from .process import End, one_line, run, signal_name
@@ -32,9 +32,11 @@ KEYS = (
     "method", "problem", "start", "outcome", "status", "claimed", "natural", *COUNTS, "restarts",
     "outcome_after_restarts", "seconds", "peak_mb", "message", "curve",
 )  # fmt: skip
+FACTS = ("contacts", "solved_by", "siconos", "rr9118", "command")  # of contact, after those of every comparison
 LONGEST_CURVE = 200
 LEAST_FOR_OTHERS = 60  # s: for the judge and for a problem's description
-NOBODY_ELSE = ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP")  # sent by people and by systems that are out of memory
+# Sent by people, and by systems that are out of memory.
+FROM_OUTSIDE = [getattr(signal, name, None) for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP")]
 
 
 def good(outcome):
@@ -67,9 +69,7 @@ class Attempt:
         holds = self.natural <= campaign["tol"] and solvable
         if self.end.why == "memory" or self.end.peak_mb > most:
             return "memory-limit", f"more than {most} MB"
-        if claim == "memory-limit":
-            return claim, "out of memory"
-        if self.end.why == "time":
+        if self.end.why == "time" and claim != "memory-limit":
             killed = f"killed after {self.end.seconds:.3g} s"
             return "time-limit", killed if claim == "crashed" else f"told to end after {campaign['time_limit']:g} s"
         if claim in NO_JUDGE:
@@ -88,32 +88,10 @@ class Attempt:
         return "unclaimed" if holds else "failed", self.message
 
 
-def thinned(curve):
-    last, most = len(curve) - 1, LONGEST_CURVE
-    return curve if last < most else [curve[k * last // (most - 1)] for k in range(most)]
-
-
 def check_seen(end, what):
     """Nothing was seen of a process that somebody else has ended."""
-    outside = [getattr(signal, name, None) for name in NOBODY_ELSE]
-    if end.why == "itself" and end.signal and end.signal in outside:
+    if end.why == "itself" and end.signal in FROM_OUTSIDE:
         raise NotSeen(f"{what} was ended from outside by {end.words()}")
-
-
-def answer_of(end, name):
-    """The JSON of a run of perp; None where it crashed or came to a limit before it could answer."""
-    check_seen(end, name)
-    try:
-        answer = json.loads(end.out)
-    except ValueError:
-        answer = None
-    if not isinstance(answer, dict):
-        if end.why == "itself" and not end.signal and end.code != 3:
-            raise NotSeen(f"{name} left no result: {end.words()}; {end.said()}")
-        return None
-    if answer.get("status") == "Interrupted" and end.why == "itself":
-        raise NotSeen(f"{name} was interrupted from outside")
-    return answer
 
 
 CLAIMS = {
@@ -124,10 +102,15 @@ CLAIMS = {
 
 def attempt_of(end, name, read):
     """Of a run of perp with `--json -`; `read` makes the last fields of a finished one from its answer."""
-    answer = answer_of(end, name)
+    check_seen(end, name)
+    answer, by_itself = end.answer, end.why == "itself"
+    if answer is None and by_itself and not end.signal and end.code != 3:
+        raise NotSeen(f"{name} left no result: {end.words()}; {end.said()}")
     if answer is None:
         return Attempt(end, "crashed", end.words() + ("" if end.signal else ", no result"), seconds=end.seconds)
     status, message = answer["status"], answer["message"]
+    if status == "Interrupted" and by_itself:
+        raise NotSeen(f"{name} was interrupted from outside")
     if status == "InputError":
         claim = "memory-limit" if ": out of memory" in message else "failed"
         return Attempt(end, claim, f"refused: {message}", "Refused")
@@ -138,7 +121,9 @@ def attempt_of(end, name, read):
 def read_solve(answer):
     """Of `perp solve`: the judge is yet to see x."""
     counts = tuple(answer["stats"][name] for name in COUNTS)
-    curve = thinned([number(it["residual"]) for it in answer["iterations"]])
+    curve = [number(it["residual"]) for it in answer["iterations"]]
+    if len(curve) > LONGEST_CURVE:
+        curve = [curve[k * (len(curve) - 1) // (LONGEST_CURVE - 1)] for k in range(LONGEST_CURVE)]
     x = [number(v["value"]) for v in answer["variables"] if v["state"] != "computed"]
     return {"counts": counts, "seconds": answer["stats"]["time_s"], "curve": curve, "x": x}
 
@@ -147,17 +132,13 @@ def read_solve(answer):
 
 
 def write_point(folder, name, x):
-    path = os.path.join(folder, name)
-    with open(path, "w", encoding="ascii") as file:
-        file.write(f"%%MatrixMarket matrix array real general\n{len(x)} 1\n" + "".join(f"{v!r}\n" for v in x))
-    return path
+    path, head = Path(folder, name), f"%%MatrixMarket matrix array real general\n{len(x)} 1\n"
+    path.write_text(head + "".join(f"{v!r}\n" for v in x), "ascii")
+    return str(path)
 
 
 def perturbed(point, rule, run):
-    """x_i = mid(l_i, x0_i + d (1 + |x0_i|) u_i, u_i), d = min(2^(run-1)/10, 1), u_i uniform in [-1, 1).
-
-    It is the same for all methods.
-    """
+    """x_i = mid(l_i, x0_i + d (1 + |x0_i|) u_i, u_i), d = min(2^(run-1)/10, 1), u_i uniform in [-1, 1)."""
     uniform = random.Random(f"{rule} {run}").random
     d = min(0.1 * 2 ** (run - 1), 1.0)
     moved = (x + d * (1 + abs(x)) * (2 * uniform() - 1) for x in map(number, point["x"]))
@@ -230,11 +211,8 @@ class CellRunner:
     def judge(self, what, *words):
         """What `perp judge` answers."""
         end = self.help("judge", *words, "--json", "-")
-        try:
-            if end.code in (0, 1, 2):
-                return json.loads(end.out)
-        except ValueError:
-            pass
+        if end.code in (0, 1, 2) and (answer := end.answer) is not None:
+            return answer
         how = {"time": "no answer in time", "memory": "too much memory"}.get(end.why) or end.words()
         raise NotSeen(f"{what}: {how}; {end.said()}")
 
@@ -259,8 +237,7 @@ class CellRunner:
     def solve(self, method, problem, start, restart, folder):
         tol, limit = self.campaign["tol"], self.campaign["time_limit"]
         if method["affine"] and not problem["affine"]:
-            message = "the method is for affine problems, and this one does not say it is one"
-            return Attempt(claim="not-applicable", message=message)
+            return Attempt(claim="not-applicable", message="for affine problems, and this one does not say it is one")
         margin = min(max(0.02 * limit, 0.05), 1.0)
         own = min(float(method["in_force"].get("time_limit", "inf")), max(1e-3, limit - margin))
         words = ["solve", source_of(problem), "--json", "-", "--log-level", "quiet", "--time-limit", repr(own)]
@@ -285,13 +262,12 @@ class CellRunner:
             if end.code == 2:
                 probe(folder)
                 return Attempt(claim="not-applicable", message="neither an .nl file nor written as one")
-        with open(stub + ".nl", encoding="latin-1") as file:
-            text = file.read()
+        file = Path(stub + ".nl")
+        text = file.read_text("latin-1")
         if not text.startswith("g"):
             return Attempt(claim="not-applicable", message="a binary .nl file; external programs are given text ones")
         if point is not None:
-            with open(stub + ".nl", "w", encoding="latin-1") as file:
-                file.write(nl_with_start(text, point))
+            file.write_text(nl_with_start(text, point), "latin-1")
         model = self.judge(f"the size of {stub}", stub + ".nl")
         if "own_variables" not in model:
             return Attempt(message=f"refused: {model.get('message')}")
@@ -342,8 +318,7 @@ def attempt_of_sol(end, stub, variables, folder, name):
     try:
         if not os.path.isfile(stub + ".sol"):
             raise Garbage("there is none")
-        with open(stub + ".sol", "rb") as file:
-            message, code, x = read_sol(file.read(), variables)
+        message, code, x = read_sol(Path(stub + ".sol").read_bytes(), variables)
         if code in range(200) and x is None and variables > 0:
             raise Garbage("it claims a solution and gives no values")
     except Garbage as error:

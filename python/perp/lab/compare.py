@@ -2,9 +2,10 @@
 """The commands: perp-compare, a campaign and its report; perp-report, the report again, and shards joined."""
 
 import argparse
+import importlib.util
 import sys
 
-from .campaign import INTERRUPTED, REFUSED, SOLVED, interrupts, need_packages, note, parse_shard
+from .campaign import INTERRUPTED, REFUSED, SOLVED, note, parse_shard
 from .files import Environment, InputError, cell_line, pretty, read_campaign, read_cells, take_folder, write_files
 
 #: What may differ between the cells of two shards; of a problem's file the content counts.
@@ -13,8 +14,8 @@ MAY_DIFFER = {"build", "libraries", "date", "command_line", "machine", "jobs", "
 
 def same(campaign):
     """Common parts of all shards of a campaign."""
-    problems = [{key: value for key, value in p.items() if key != "file"} for p in campaign["problems"]]
     kept = {key: value for key, value in campaign.items() if key not in MAY_DIFFER}
+    problems = [{**problem, "file": ""} for problem in campaign["problems"]]
     return {**kept, "problems": problems, "number of shards": parse_shard(campaign.get("shard"))[1]}
 
 
@@ -63,34 +64,23 @@ def report(arguments):
 
 def compare(arguments):
     kind = arguments[0] if arguments else ""
-    if kind == "forces":
-        from .forces import forces
+    from . import comparison, contact
 
-        return forces(arguments[1:])
-    if kind in ("facets", "ball"):
-        from . import polygons
-
-        return polygons.ball(arguments[1:]) if kind == "ball" else polygons.facets(arguments[1:], interrupts())
-    if kind == "contact":
-        from .contact import ContactComparison
-
-        return ContactComparison(arguments[1:], interrupts()).run()
-    from .comparison import Comparison
-
-    return Comparison(arguments, interrupts()).run()
+    if kind in ("forces", "facets", "ball"):
+        return getattr(contact, kind)(arguments[1:])
+    return (contact.ContactComparison(arguments[1:]) if kind == "contact" else comparison.Comparison(arguments)).run()
 
 
 def run(command, arguments):
     try:
-        if not {"-h", "--help"} & set(arguments):
-            need_packages()
+        for name in () if {"-h", "--help"} & set(arguments) else ("numpy", "matplotlib", "jinja2"):
+            if importlib.util.find_spec(name) is None:  # before anything runs
+                where = f"Debian has python3-{name}, pip install 'perp[lab]' elsewhere"
+                raise InputError(f"{sys.executable} has no {name}: {where}")
         return command(arguments)
-    except InputError as error:
+    except (InputError, Environment, OSError) as error:
         print(f"perp: {error}", file=sys.stderr)
-        return REFUSED
-    except (Environment, OSError) as error:
-        print(f"perp: {error}", file=sys.stderr)
-        return INTERRUPTED
+        return REFUSED if isinstance(error, InputError) else INTERRUPTED
 
 
 def main_compare():

@@ -14,8 +14,8 @@ import shutil
 import sys
 
 from .campaign import (
-    INTERRUPTED, SOLVED, UNSOLVED, Program, Progress, add_folder, add_options, cores, count, machine, note,
-    parse_shard, print_table,
+    INTERRUPTED, SOLVED, UNSOLVED, Program, Progress, add_folder, add_options, cores, count, interrupts, machine,
+    note, parse_shard, print_table,
 )  # fmt: skip
 from .cells import KEYS, OUTCOMES, CellRunner, good, is_failure, outcome_counts, settle
 from .files import (
@@ -37,11 +37,8 @@ Examples:
   perp-compare --problems all,-class:pde --methods path,miles,semismooth:tol=1e-9 --starts 1
   perp-compare --problems 'models/*.nl' --external 'peer=./peer tol={tol}' --out peers
   perp-compare --out peers --resume                     after Ctrl-C, kill -9, a full disk or a power cut
-  perp-compare --problems all --shard 3/7 --out part3   the third of seven parts
   perp-compare contact --help                           variants on problems of contact with friction
-  perp-compare facets --help                            what polygons cost in place of friction disks
-  perp-compare ball --help                              the path of a ball by polygons
-  perp-compare forces --help                            the forces of a solution, drawn in their friction disks
+  perp-compare forces|facets|ball --help                friction drawn; polygons in place of friction disks
 
 A cell is one method on one problem from one start, in a process of its own. In the end DIR has report.html,
 report.json and cells.csv; outcomes.csv has no times, so that cmp compares two campaigns.
@@ -59,7 +56,7 @@ def all_or_number(text):
 class Comparison:
     """Methods x problems x starts. A kind of comparison differs by what is before __init__, and by items()."""
 
-    COMMAND, RUNNER = "perp-compare", CellRunner
+    COMMAND, RUNNER, KIND = "perp-compare", CellRunner, {}
     OPTIONS = ("tol", "time_limit", "memory_limit_mb", "restarts", "seed", "starts", "shard", "jobs")
     LISTS = ("problems", "methods", "external")  # the options that say what is compared
 
@@ -81,18 +78,15 @@ class Comparison:
 
     def items(self):
         """The methods and the problems that the words ask for."""
-        words, notes = self.words, []
-        methods = select_methods(words.methods or "presets", words.tol, self.program, notes)
+        words = self.words
+        methods = select_methods(words.methods or "presets", words.tol, self.program)
         methods += external_methods(words.external, self.program)
         if not methods:
             raise InputError("--methods: nothing is left")
-        problems = select_problems(words.problems or "all", words.starts, self.program, notes)
-        for text in notes:
-            note(text)
-        return methods, problems
+        return methods, select_problems(words.problems or "all", words.starts, self.program)
 
-    def __init__(self, arguments, interrupt):
-        self.arguments, self.interrupt, self.open, self.failed = arguments, interrupt, [], False
+    def __init__(self, arguments):
+        self.arguments, self.interrupt, self.open, self.failed = arguments, interrupts(), [], False
         parser = self.parser()
         self.words, self.before = parser.parse_args(arguments), None
         self.out = self.words.out
@@ -116,9 +110,6 @@ class Comparison:
         elif words.resume and not any(getattr(words, key) for key in self.LISTS):
             raise InputError(f"--resume: there is no campaign in '{self.out}'")
         self.campaign = self.before or self.asked()
-        if self.stopped():
-            print("perp: interrupted before the first cell", file=sys.stderr)
-            return INTERRUPTED
         self.lock = take_folder(self.out, not self.before)
         if not self.before:
             write_files(self.out, {"campaign.json": pretty(self.campaign)})
@@ -133,7 +124,7 @@ class Comparison:
         date = datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
         head |= {"libraries": program["libraries"], "date": date, "command_line": [self.COMMAND, *self.arguments]}
         options = {key: value for key in self.OPTIONS if (value := getattr(self.words, key)) != ""}
-        return {**head, "machine": machine(), **options, "methods": methods, "problems": problems}
+        return {**head, "machine": machine(), **options, **self.KIND, "methods": methods, "problems": problems}
 
     def check_same(self, before):
         """The words ask for nothing else than those that began the campaign, and its files are what they were."""
@@ -146,13 +137,10 @@ class Comparison:
             lines = "\n  ".join(found)
             how = f"'--out {self.out} --resume' alone goes on as it was begun, another --out begins anew"
             raise InputError(f"--resume: '{self.out}' holds a campaign that asks for something else:\n  {lines}\n{how}")
-        for text, there, here in (
-            ("the program is another build than that of the other cells", before["build"], crc_of(self.program.path)),
-            ("another machine made the other cells: times do not compare", before["machine"]["cpu"], machine()["cpu"]),
-            ("another number of runs at a time: times do not compare", before["jobs"], self.words.jobs),
-        ):
-            if there != here:
-                note(text)
+        here = {"build": crc_of(self.program.path), "machine": machine()["cpu"], "number of jobs": self.words.jobs}
+        for what, there in zip(here, (before["build"], before["machine"]["cpu"], before["jobs"])):
+            if there != here[what]:
+                note(f"the other cells are of another {what}: times do not compare")
         before["jobs"] = self.words.jobs
 
     def table(self):
@@ -183,16 +171,11 @@ class Comparison:
                 cell = runner.cell(*what)
                 journal.add(cell)
                 cells[key_of(cell)] = cell
-            except NotSeen as why:
+            except (Environment, OSError) as why:
                 self.open.append(str(why))
-            except (Environment, OSError):
-                self.failed = True
-                raise
+                self.failed |= not isinstance(why, NotSeen)  # the others stop, too
 
-        try:
-            run_all(jobs, work, pending, self.stopped, progress.tick)
-        except (Environment, OSError) as error:
-            self.open.append(str(error))
+        run_all(jobs, work, pending, self.stopped, progress.tick)
         progress.tick()
         shutil.rmtree(work_folder, ignore_errors=True)
         for why in dict.fromkeys(self.open[:5]):
@@ -252,17 +235,16 @@ def read_baseline(path):
 
 def against_baseline(path, baseline, cells):
     """Nothing that was solved may become unsolved."""
-    pairs = [(cell, baseline[key]) for cell in cells if (key := key_of(cell)) in baseline]
-    lost, gained = [], 0
-    for cell, before in pairs:
-        denied = before == "solved" and cell["outcome"] == "infeasible"
-        if good(before) and (denied or not good(cell["outcome"])):
-            lost.append([cell["method"], cell["problem"], str(cell["start"]), before, cell["outcome"], cell["message"]])
-        gained += not good(before) and good(cell["outcome"])
+    pairs = [(cell, baseline[key], cell["outcome"]) for cell in cells if (key := key_of(cell)) in baseline]
+    gained = sum(good(now) and not good(before) for _, before, now in pairs)
+    lost = [
+        [cell["method"], cell["problem"], str(cell["start"]), before, now, cell["message"]]
+        for cell, before, now in pairs
+        if good(before) and (not good(now) or (before, now) == ("solved", "infeasible"))
+    ]
     numbers = f"{len(lost)} solved there and not here, {gained} here and not there"
     print(f"\nAgainst {path}: {count(len(pairs), 'cell')} compared, {numbers}.")
-    if not lost:
-        return SOLVED
-    print()
-    print_table(["regression", "problem", ">start", "was", "is", "because"], lost)
-    return UNSOLVED
+    if lost:
+        print()
+        print_table(["regression", "problem", ">start", "was", "is", "because"], lost)
+    return UNSOLVED if lost else SOLVED

@@ -17,6 +17,7 @@ import re
 import tempfile
 import threading
 import zlib
+from pathlib import Path
 
 try:
     import fcntl
@@ -49,18 +50,17 @@ def number(value):
     return math.nan if value is None else float(value)
 
 
-def compact(value):
-    return json.dumps(to_json(value), separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+def compact(value, **how):
+    return json.dumps(to_json(value), ensure_ascii=False, allow_nan=False, **(how or {"separators": (",", ":")}))
 
 
 def pretty(value):
-    return json.dumps(to_json(value), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return compact(value, indent=2) + "\n"
 
 
 def crc_of(path):
     try:
-        with open(path, "rb") as file:
-            return f"{zlib.crc32(file.read()):08x}"
+        return f"{zlib.crc32(Path(path).read_bytes()):08x}"
     except OSError as error:
         raise InputError(f"there is no file '{path}' that can be read") from error
 
@@ -101,10 +101,9 @@ def take_folder(folder, fresh):
         lock.seek(0)
     except OSError as error:
         raise InputError(f"'{folder}' cannot be made: {error.strerror}") from error
-    if fresh and "campaign.json" in names:
-        raise InputError(f"'{folder}' holds a campaign: --resume goes on with it, --out DIR begins another")
     if fresh and names:
-        raise InputError(f"'{folder}' is not empty: --out DIR names another")
+        what = "holds a campaign: --resume goes on with it," if "campaign.json" in names else "is not empty:"
+        raise InputError(f"'{folder}' {what} --out DIR names another")
     try:
         if fcntl is not None:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -119,8 +118,7 @@ def take_folder(folder, fresh):
 def read_campaign(folder):
     path = os.path.join(folder, "campaign.json")
     try:
-        with open(path, encoding="utf-8") as file:
-            campaign = json.load(file)
+        campaign = json.loads(Path(path).read_text("utf-8"))
         if campaign["campaign"] != 1:
             raise InputError(f"{path}: written in format {campaign['campaign']}, of another version")
     except OSError as error:
@@ -134,10 +132,7 @@ class Journal:
     def __init__(self, folder):
         self.path, self.lock = os.path.join(folder, "cells.jsonl"), threading.Lock()
         self.file = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
-        with open(self.path, "rb") as file:
-            text = file.read()
-        if text and not text.endswith(b"\n"):
-            os.ftruncate(self.file, text.rfind(b"\n") + 1)
+        os.ftruncate(self.file, Path(self.path).read_bytes().rfind(b"\n") + 1)
         os.fsync(self.file)
         sync_folder(folder)
 
@@ -167,8 +162,7 @@ def read_cells(folder):
     """({key: cell}, what does not count and why); of two cells with one key the later."""
     path = os.path.join(folder, "cells.jsonl")
     try:
-        with open(path, "rb") as file:
-            lines = file.read().removeprefix(b"\xef\xbb\xbf").splitlines(keepends=True)
+        lines = Path(path).read_bytes().removeprefix(b"\xef\xbb\xbf").splitlines(keepends=True)
     except OSError as error:
         raise InputError(f"'{path}' cannot be read") from error
     cells, dropped = {}, []
@@ -177,8 +171,8 @@ def read_cells(folder):
         try:
             if match is None:
                 raise ValueError("torn")
-            if zlib.crc32(match[1]) != int(match[2], 16):
-                raise ValueError(f"its CRC is {zlib.crc32(match[1]):08x}, not {match[2].decode()}")
+            if (crc := zlib.crc32(match[1])) != int(match[2], 16):
+                raise ValueError(f"its CRC is {crc:08x}, not {match[2].decode()}")
             cell = json.loads(match[1])
             cells[key_of(cell)] = cell
         except (ValueError, KeyError, TypeError) as error:

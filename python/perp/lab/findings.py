@@ -60,10 +60,9 @@ class Data:
         self.solved = self.array(lambda c: c["outcome"] == "solved")
         self.after = self.array(lambda c: "solved" in (c["outcome"], c["outcome_after_restarts"]))
         self.refused = self.array(lambda c: c["outcome"] == "not-applicable")
-        self.raw = {measure: self.array(lambda c: known(c[measure]), float) for measure in FLOOR}
-        self.cost = {}
-        for key in (key for key in MEASURES if not np.isnan(self.raw[key]).all()):
-            self.cost[key] = np.where(self.solved, np.maximum(self.raw[key], self.floor[key]), math.inf)
+        self.raw = {measure: self.array(lambda c: number(c[measure]), float) for measure in FLOOR}
+        costs = {key: np.maximum(of, self.floor[key]) for key, of in self.raw.items() if not np.isnan(of).all()}
+        self.cost = {key: np.where(self.solved, costs[key], math.inf) for key in MEASURES if key in costs}
 
     def array(self, value, kind=bool):
         shape = len(self.methods), len(self.pairs)
@@ -77,10 +76,6 @@ class Data:
 
     def classes(self):
         return sorted(set(self.classes_of[self.with_solution].tolist()))
-
-
-def known(value):
-    return math.nan if value is None or not 0 <= value < math.inf else value
 
 
 def false_claim(cell):
@@ -104,7 +99,6 @@ def without_cfunction(method):
 class Comparison:
     id: str
     title: str
-    note: str
     methods: list  # most solved first, then least sum of log(time)
     pairs: list
     subject: list = field(default_factory=list)  # the methods for some problems only that it is about
@@ -137,24 +131,16 @@ def data_profiles(costs, units):
     return [steps(row) for row in np.array(costs, float) / np.array(units, float)]
 
 
-def compared(data, c):
-    """The comparison with its methods in order, and its profiles."""
-
-    def rank(m):
-        times = data.cost["seconds"][m, c.pairs]
-        times = times[np.isfinite(times)]
-        return len(c.pairs) - len(times), np.log(times).sum(), data.methods[m]
-
-    c.methods.sort(key=rank)
+def profiles(data, methods, pairs):
+    """{measure: of whom it is known, of whom not, and their profiles}."""
+    found = {}
     for measure, cost in data.cost.items():
-        known = [m for m in c.methods if not np.isnan(cost[m, c.pairs]).any()]
-        units = [data.pairs[p][0]["n"] + 1 if measure == "F_evals" else 1 for p in c.pairs]
-        costs = cost[np.ix_(known, c.pairs)]
-        c.profiles[measure] = {
-            "methods": known, "left_out": [m for m in c.methods if m not in known],
-            "performance": performance_profiles(costs), "data": data_profiles(costs, units),
-        }  # fmt: skip
-    return c
+        known = [m for m in methods if not np.isnan(cost[m, pairs]).any()]
+        units = [data.pairs[p][0]["n"] + 1 if measure == "F_evals" else 1 for p in pairs]
+        costs = cost[np.ix_(known, pairs)]
+        found[measure] = {"methods": known, "left_out": [m for m in methods if m not in known]}
+        found[measure] |= {"performance": performance_profiles(costs), "data": data_profiles(costs, units)}
+    return found
 
 
 def kind_of(data, m):
@@ -173,33 +159,32 @@ def comparisons(data):
     )
     general = general if general or some else variants
 
-    def add(identity, title, note, methods, subject=()):
+    def add(identity, title, methods, subject=()):
         asked = list(subject) or methods
         if pairs := np.flatnonzero(data.with_solution & ~data.refused[asked].all(0)).tolist():
-            found.append(compared(data, Comparison(identity, title, note, list(methods), pairs, list(subject))))
+            times = {m: data.cost["seconds"][m, pairs] for m in methods}
+            times = {m: of[np.isfinite(of)] for m, of in times.items()}
+            methods = sorted(methods, key=lambda m: (-len(times[m]), np.log(times[m]).sum(), data.methods[m]))
+            found.append(Comparison(identity, title, methods, pairs, list(subject), profiles(data, methods, pairs)))
 
     if data.contact:
         exact = [m for m, of in enumerate(methods) if of["exact"]]
         if exact:
-            add("general", "Coulomb's exact law", "On every problem.", exact)
+            add("general", "Coulomb's exact law", exact)
         if len(exact) < len(methods):
-            add("all", "All variants, each by its own law", "On every problem.", range(len(methods)))
+            add("all", "All variants, each by its own law", range(len(methods)))
         return found
-    unsolved = "A method has not solved what it does not apply to."
     if general:
-        note = f"On every pair of a problem with a solution and a start. {unsolved}"
-        add("general", "Methods for all problems", note, general)
+        add("general", "Methods for all problems", general)
     if some:
-        note = f"On the pairs to which at least one of the {len(some)} applies that are for some problems only, such "
-        note += f"as affine ones, F(x) = M x + q. {unsolved}"
-        add("some", "Methods for some problems only, beside those for all", note, some + general, some)
+        add("some", "Methods for some problems only, beside those for all", some + general, some)
     for k, base in enumerate(dict.fromkeys(without_cfunction(methods[m]) for m in variants), 1):
         same = [m for m in range(len(methods)) if without_cfunction(methods[m]) == base]
         mine = [m for m in same if m in variants]
         given = [given_cfunction(methods[m]) for m in mine]
         mine += [m for m in same if m not in mine and methods[m]["in_force"].get("cfunction", "") not in given]
         if len(mine) > 1:
-            add(f"cfunctions-{k}", f"C-functions in {base}", "Nothing differs but the C-function.", mine)
+            add(f"cfunctions-{k}", f"C-functions in {base}", mine)
     return found
 
 
@@ -220,14 +205,11 @@ def summary(data, c):
     # Others would leave too few common pairs.
     part = [m for m in c.methods if solved[m] and 4 * solved[m] >= 3 * max(solved.values())]
     common = [p for p in c.pairs if part and data.solved[part, p].all()]
-    rows = {}
-    for m in c.methods:
-        rows[m] = {
-            "solved": solved[m], "pairs": len(c.pairs), "with_restarts": int(data.after[m, c.pairs].sum()),
-            "quickest": lead("seconds", m, 1), "within_two": lead("seconds", m, 2), "fewest_F": lead("F_evals", m, 1),
-            "common": len(common), **{f"mean_{measure}": mean(measure, m) for measure in FLOOR},
-        }  # fmt: skip
-    return rows
+    return {m: {
+        "solved": solved[m], "pairs": len(c.pairs), "with_restarts": int(data.after[m, c.pairs].sum()),
+        "quickest": lead("seconds", m, 1), "within_two": lead("seconds", m, 2), "fewest_F": lead("F_evals", m, 1),
+        "common": len(common), **{f"mean_{measure}": mean(measure, m) for measure in FLOOR},
+    } for m in c.methods}  # fmt: skip
 
 
 def clear(data, pairs, a, b):
@@ -245,33 +227,28 @@ def sign_test(a, b):
 # Robustness, as the comparison of 1997 prints it.
 
 
-def failures(data, m, pairs):
-    """(pairs it applies to, failures, those left after restarts, pairs it does not apply to)."""
-    mine = ~data.refused[m, pairs]
-    failed, left = mine & ~data.solved[m, pairs], mine & ~data.after[m, pairs]
-    return tuple(int(v.sum()) for v in (mine, failed, left, ~mine))
-
-
 def robustness(data):
-    """[(method, total, [of each class])], those that apply to all pairs first, then by failures."""
-    by_class = [[p for p in data.solvable() if data.classes_of[p] == cls] for cls in data.classes()]
-    rows = []
-    for m in range(len(data.methods)):
-        rows.append((m, failures(data, m, data.solvable()), [failures(data, m, pairs) for pairs in by_class]))
+    """[(method, total, [of each class])], those that apply to all pairs first, then by failures. Numbers are of pairs
+    that it applies to, failures, those left after restarts, pairs that it does not apply to."""
+
+    def failures(m, pairs):
+        mine = ~data.refused[m, pairs]
+        failed, left = mine & ~data.solved[m, pairs], mine & ~data.after[m, pairs]
+        return tuple(int(v.sum()) for v in (mine, failed, left, ~mine))
+
+    solvable = data.solvable()
+    by_class = [solvable[data.classes_of[solvable] == cls] for cls in data.classes()]
+    rows = [(m, failures(m, solvable), [failures(m, pairs) for pairs in by_class]) for m in range(len(data.methods))]
     return sorted(rows, key=lambda row: (row[1][3] > 0, row[1][1], row[1][2], data.methods[row[0]]))
 
 
 # Judgement by Coulomb's law of solutions by other laws.
 
-LAWS = {
-    "variant": "formulation+method/form", "judged by": "the law whose residual decides", "solved": "problems",
-    "infeasible": "proven to have no solution", "solved by": "the step that made the accepted point",
-    "error": "Siconos' metric of Coulomb's law, median of the solved", "largest": "of those errors",
-}  # fmt: skip
+LAWS = ["variant", "judged by", "solved", "infeasible", "solved by", "error", "largest"]
 
 
 def laws(data):
-    """Rows with the columns of LAWS."""
+    """Rows with the columns of LAWS; the error is Siconos' metric, its median over the solved."""
     rows = []
     for m, of in enumerate(data.campaign["methods"]):
         mine = [cell for (k, _), cell in data.table.items() if k == m]
@@ -359,9 +336,8 @@ def cheapest(data, c):
     if len(c.methods) < 2 or not any(row["solved"] for row in rows.values()):
         return ""
     quick, fewest = (Lead(data, c, lambda m, name=name: rows[m][name]) for name in ("quickest", "fewest_F"))
-    is_or_are = "is" if len(quick.first) == 1 else "are"
+    is_or_are, need = "is" if len(quick.first) == 1 else "are", verb(len(fewest.first), "need")
     text = f"Quickest most often {is_or_are} {quick.names} (on {quick.most}; times below {data.least_time} are ties)"
-    need = verb(len(fewest.first), "need")
     more = f"; the fewest evaluations of F most often {need} {fewest.names} (on {fewest.most})"
     return text + (more if fewest.most else "") + "."
 

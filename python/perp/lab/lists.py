@@ -7,7 +7,7 @@ import re
 import shutil
 from fnmatch import fnmatchcase
 
-from .campaign import suggestion
+from .campaign import note, suggestion
 from .cells import source_of
 from .files import InputError, crc_of
 
@@ -38,12 +38,9 @@ def select(items, expand, name):
 # Problems.
 
 
-def of_file(path):
-    """A file yet to be described."""
-    if not path.endswith((".nl", ".dat")):
-        raise InputError(f"--problems: '{path}' is neither an .nl nor a .dat file")
-    file, kind = os.path.realpath(path), os.path.splitext(path)[1][1:]
-    return {"name": os.path.basename(path), "class": kind, "file": file, "crc": crc_of(file)}
+def file_facts(path):
+    """Of a file, which is known by its content."""
+    return {"class": os.path.splitext(path)[1][1:], "file": os.path.realpath(path), "crc": crc_of(path)}
 
 
 def described(answer, most):
@@ -54,7 +51,7 @@ def described(answer, most):
     return {"n": answer["size"], **facts, "starts": starts, "solvable": not reason, "no_solution": reason}
 
 
-def select_problems(text, most, program, notes):
+def select_problems(text, most, program):
     """The problems of a LIST, described; files that perp refuses are left out."""
     entries = program.json("list", "--json")["problems"]
     known = {e["name"]: {"name": e["name"], "class": e["class"], **described(e, most)} for e in entries}
@@ -63,7 +60,10 @@ def select_problems(text, most, program, notes):
     def expand(item):
         name, sized, _ = item.partition(":")
         if item.endswith((".nl", ".dat")) or "/" in item:
-            found = [of_file(path) for path in sorted(glob.glob(item)) or [item]]
+            paths = sorted(glob.glob(item)) or [item]
+            if wrong := [path for path in paths if not path.endswith((".nl", ".dat"))]:
+                raise InputError(f"--problems: '{wrong[0]}' is neither an .nl nor a .dat file")
+            found = [{"name": os.path.basename(path), **file_facts(path)} for path in paths]
         elif item == "all" or name == "class":
             pattern = "*" if item == "all" else item[6:]
             found = [p for p in known.values() if fnmatchcase(p["class"], pattern)]
@@ -89,7 +89,7 @@ def select_problems(text, most, program, notes):
         except InputError as error:
             if "file" not in problem:
                 raise
-            notes.append(f"{problem['name']} is left out: {error}")
+            note(f"{problem['name']} is left out: {error}")
     if not problems:
         raise InputError(f"--problems '{text}': nothing is left")
     return problems
@@ -98,7 +98,13 @@ def select_problems(text, most, program, notes):
 # Methods.
 
 
-def select_methods(text, tol, program, notes):
+def method_of(label, name, options=(), external=False, affine=False, in_force=None, **more):
+    """What campaign.json says of a method."""
+    flags = {"external": external, "affine": affine, "in_force": in_force or {}}
+    return {"label": label, "name": name, "options": list(options), **flags, **more}
+
+
+def select_methods(text, tol, program):
     known = program.json("methods", "--json")
     names, functions = [m["name"] for m in known["methods"]], known["cfunctions"]
     grid = [(c["name"], value) for c in functions if c["parameter"] for value in c["parameter"]["values"]]
@@ -129,9 +135,9 @@ def select_methods(text, tol, program, notes):
             answer = program.json("methods", "--json", "--show", name, *flags)
         except InputError as error:
             raise InputError(f"--methods {label}: {error}") from error
-        notes += [f"--methods {label}: {note}" for note in answer["notes"]]
-        method = {"label": label, "name": name, "options": options, "external": False}
-        methods.append({**method, "affine": answer["affine"], "in_force": answer["options"]})
+        for words in answer["notes"]:
+            note(f"--methods {label}: {words}")
+        methods.append(method_of(label, name, options, affine=answer["affine"], in_force=answer["options"]))
     return methods
 
 
@@ -148,6 +154,5 @@ def external_methods(texts, program):
         word = command.split()[0]
         if not any(c in word for c in "'\"$`\\(") and shutil.which(word) is None:
             raise InputError(f"--external {name}: '{word}' is no program that can be run")
-        methods[name] = {"label": name, "name": name, "options": [], "external": True, "affine": False, "in_force": {}}
-        methods[name]["command"] = command
+        methods[name] = method_of(name, name, external=True, command=command)
     return list(methods.values())

@@ -9,13 +9,15 @@ that begins so.
 
 import contextlib
 import itertools
+import json
 import os
 import signal
 import subprocess
 import sys
 import threading
 import time
-from dataclasses import dataclass
+from concurrent import futures
+from dataclasses import dataclass, field
 
 with contextlib.suppress(ImportError):  # reports are made where processes have no limits, too
     import resource
@@ -37,22 +39,25 @@ class End:
     """How a process ended."""
 
     why: str = "itself"  # or "time", "memory"
-    status: int = 0  # of os.wait4
+    code: int = 0  # of its exit, or minus the signal that ended it
     seconds: float = 0
     peak_mb: float = 0
-    out: bytes = b""
-    err: bytes = b""
+    out: bytearray = field(default_factory=bytearray)
+    err: bytearray = field(default_factory=bytearray)
 
     @property
     def signal(self):
-        return os.WTERMSIG(self.status) if os.WIFSIGNALED(self.status) else 0
-
-    @property
-    def code(self):
-        return os.WEXITSTATUS(self.status) if os.WIFEXITED(self.status) else None
+        return max(-self.code, 0)
 
     def words(self):
         return signal_name(self.signal) if self.signal else f"exit code {self.code}"
+
+    @property
+    def answer(self):
+        """The object in JSON on standard output, or None."""
+        with contextlib.suppress(ValueError):
+            answer = json.loads(self.out)
+            return answer if isinstance(answer, dict) else None
 
     def said(self, most=300):
         """The last words on standard error."""
@@ -83,6 +88,11 @@ def marked(mark):
     return found
 
 
+def send(kill, pid, number):
+    with contextlib.suppress(OSError):  # it is gone
+        kill(pid, number)
+
+
 def kill_marked(mark, rounds=1):
     """Kills until nothing is left: what was started meanwhile is found in the next round."""
     for k in range(100):
@@ -90,14 +100,8 @@ def kill_marked(mark, rounds=1):
         if not found and k + 1 >= rounds:
             return
         for pid in found:
-            with contextlib.suppress(OSError):
-                os.kill(pid, signal.SIGKILL)
+            send(os.kill, pid, signal.SIGKILL)
         time.sleep(0.01)
-
-
-def kill_group(pid, number):
-    with contextlib.suppress(OSError):
-        os.killpg(pid, number)
 
 
 def collect(stream, most, kept):
@@ -124,17 +128,16 @@ def run(arguments, seconds=60.0, memory_mb=4096, tree=False, stopped=lambda: Fal
         limit = int(2 * MIB * memory_mb) + 1024 * MIB
         with contextlib.suppress(OSError, ValueError):
             resource.prlimit(child.pid, resource.RLIMIT_AS, (limit, limit))
-    out, err = bytearray(), bytearray()
-    streams = ((child.stdout, OUTPUT_LIMIT, out), (child.stderr, TAIL, err))
+    streams = ((child.stdout, OUTPUT_LIMIT, end.out), (child.stderr, TAIL, end.err))
     readers = [threading.Thread(target=collect, args=of, daemon=True) for of in streams]
     for reader in readers:
         reader.start()
 
     def kill():
-        kill_group(child.pid, signal.SIGSTOP)  # so that nobody starts another while one after the other dies
+        send(os.killpg, child.pid, signal.SIGSTOP)  # so that nobody starts another while one after the other dies
         if tree:
             kill_marked(mark)
-        kill_group(child.pid, signal.SIGKILL)
+        send(os.killpg, child.pid, signal.SIGKILL)
 
     while True:
         pid, status, usage = os.wait4(child.pid, os.WNOHANG)
@@ -145,7 +148,7 @@ def run(arguments, seconds=60.0, memory_mb=4096, tree=False, stopped=lambda: Fal
             end.why = "stopped"
         if end.why == "itself" and now >= seconds:
             end.why = "time"
-            kill_group(child.pid, signal.SIGTERM)
+            send(os.killpg, child.pid, signal.SIGTERM)
         if now - looked >= (0.05 if tree else 0.01):
             looked = now
             mb = sum(map(resident_mb, marked(mark) if tree else [child.pid]))
@@ -156,7 +159,7 @@ def run(arguments, seconds=60.0, memory_mb=4096, tree=False, stopped=lambda: Fal
         readers[0].join(0.002)  # most end when they close their output
         if not readers[0].is_alive():
             time.sleep(0.0005)
-    child.returncode, end.status, end.seconds = 0, status, now
+    child.returncode, end.code, end.seconds = 0, os.waitstatus_to_exitcode(status), now
     kill()  # what it left behind
     for reader in readers:
         reader.join(1)
@@ -164,7 +167,6 @@ def run(arguments, seconds=60.0, memory_mb=4096, tree=False, stopped=lambda: Fal
         raise Stopped
     if usage.ru_maxrss > least:
         end.peak_mb = max(end.peak_mb, usage.ru_maxrss / 1024)
-    end.out, end.err = bytes(out), bytes(err)
     return end
 
 
@@ -173,33 +175,25 @@ def run_all(jobs, work, items, stopped, tick=lambda: None):
     resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))  # no run leaves a dump
     command = [sys.executable, "-S", "-E", __file__, MARK]
     guard = subprocess.Popen(command, stdin=subprocess.PIPE, start_new_session=True)
-    waiting, lock, failed = iter(items), threading.Lock(), []
+    failed = []
 
-    def worker():
-        while not failed and not stopped():
-            with lock:
-                item = next(waiting, None)
-            if item is None:
-                return
-            try:
+    def worker(item):
+        try:
+            if not failed and not stopped():
                 work(item)
-            except Stopped:
-                return
-            except BaseException as error:
-                failed.append(error)
+        except Stopped:
+            pass
+        except BaseException as error:
+            failed.append(error)
 
-    threads = [threading.Thread(target=worker) for _ in range(jobs)]
-    for thread in threads:
-        thread.start()
-    try:
-        for thread in threads:
-            while thread.is_alive():
-                thread.join(0.1)
-                tick()
-    except BaseException as error:  # as where nobody reads standard error any more
-        failed.append(error)
-    for thread in threads:
-        thread.join()
+    with futures.ThreadPoolExecutor(jobs) as pool:
+        try:
+            for one in [pool.submit(worker, item) for item in items]:
+                while not one.done():
+                    futures.wait([one], 0.1)
+                    tick()
+        except BaseException as error:  # as where nobody reads standard error any more
+            failed.append(error)
     guard.kill()  # nothing is left for it
     guard.wait()
     guard.stdin.close()
