@@ -83,7 +83,7 @@ def lq_game(
     G *= 0.5
     convex = [False] * players
     for size, of in blocks.items():
-        together = np.stack([block for _, block in of])
+        together = np.array([block for _, block in of])
         rounding = 4 * size * _EPS * np.abs(together).sum(axis=1).max(axis=1)
         for (i, _), sure in zip(of, (np.linalg.eigvalsh(together)[:, 0] >= -rounding).tolist()):
             convex[i] = sure
