@@ -2,13 +2,15 @@
 #include "lcp/fields.hpp"
 
 #include <iterator>
-#include <set>
 #include <type_traits>
 
 #include "lcp/words.hpp"
 
 namespace perp {
 namespace {
+
+/// Options of auto and of the program: 72.
+constexpr std::size_t of_auto = 80;
 
 /// "a number > 0", "an integer in [1, 2]".
 std::string range_text(const Range& range, bool integer) {
@@ -51,9 +53,11 @@ bool same_value(const Target& a, const Target& b) {
 std::size_t meanings(const Target& target) {
   const auto* words = std::get_if<Words>(&target);
   if (words == nullptr) return 0;
-  std::set<int> values;
-  for (const auto& word : words->words) values.insert(word.second);
-  return values.size();
+  const auto& all = words->words;
+  std::size_t first_of_value = 0;
+  for (auto word = all.begin(); word != all.end(); ++word)
+    first_of_value += std::none_of(all.begin(), word, [&](const auto& other) { return other.second == word->second; });
+  return first_of_value;
 }
 
 /// "tol is -1; it takes a number > 0"; empty where there is nothing to complain of.
@@ -101,6 +105,7 @@ void Fields::add(std::string_view key, Target number, const Range& range, std::s
   }
   Field field{key, alias, help, std::move(number), range, inert_};
   const auto [known, is_new] = place_.try_emplace(key, all_.size());
+  if (all_.empty()) all_.reserve(of_auto);
   if (is_new)
     all_.push_back(std::move(field));
   else

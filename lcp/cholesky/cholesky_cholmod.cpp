@@ -20,6 +20,8 @@ namespace {
 /// nested dissection.
 constexpr double worth_ordering = 2e7;
 constexpr int all_orderings = 4;
+/// Operations for an entry of L from which on supernodes take less time: of quadratic programs measured at 45 to 80.
+constexpr double worth_supernodes = 60;
 
 /// CHOLMOD's settings and workspace; silent.
 class Common {
@@ -28,6 +30,7 @@ class Common {
     cholmod_start(&common_);
     common_.print = 0;
     common_.error_handler = nullptr;
+    common_.supernodal_switch = worth_supernodes;
     // Also where CHOLMOD finds the simplicial method faster, which would be L D L' otherwise and accept any D.
     common_.final_ll = 1;
   }
@@ -103,6 +106,7 @@ class Cholmod final : public CholeskyLibrary {
   CholeskyStatus analyze(const SpMat& A) override {
     analyze(A, 0);
     if (thorough_ && L_ && flops_ > worth_ordering) analyze(A, all_orderings);
+    if (L_ && !L_->is_super) order(A);
     return L_ && common_.status() >= CHOLMOD_OK ? CholeskyStatus::Ok : failure_of(common_.status());
   }
   double entries() const override { return entries_; }
@@ -110,8 +114,12 @@ class Cholmod final : public CholeskyLibrary {
 
   CholeskyStatus factor(const SpMat& A) override {
     if (L_->is_super) return factor_supernodes(A);
-    cholmod_sparse lower = lower_triangle(A);
-    cholmod_factorize(&lower, L_, common_.get());
+    for (std::size_t k = 0; k < from_.size(); ++k) ordered_.valuePtr()[k] = A.valuePtr()[from_[k]];
+    cholmod_sparse upper = lower_triangle(ordered_);
+    upper.stype = 1;
+    const int ordering = std::exchange(L_->ordering, CHOLMOD_NATURAL);
+    cholmod_factorize(&upper, L_, common_.get());
+    L_->ordering = ordering;
     if (common_.status() < CHOLMOD_OK) return failure_of(common_.status());
     if (!signs_.empty() && L_->minor == L_->n) L_->minor = first_of_wrong_sign();
     return common_.status() == CHOLMOD_NOT_POSDEF || L_->minor < L_->n ? CholeskyStatus::NotPositiveDefinite
@@ -157,6 +165,21 @@ class Cholmod final : public CholeskyLibrary {
     entries_ = common_.entries();
     flops_ = common_.flops();
   }
+  /// The upper triangle of P A P', which CHOLMOD factors as it is: it would transpose any other twice each time.
+  void order(const SpMat& A) {
+    const auto* permutation = static_cast<const int*>(L_->Perm);
+    std::vector<int> place(at(A.rows()));
+    for (std::size_t k = 0; k < place.size(); ++k) place[at(permutation[k])] = static_cast<int>(k);
+    std::vector<Eigen::Triplet<double>> entries;  // their values: where they come from
+    entries.reserve(at(A.nonZeros()));
+    for (int j = 0; j < A.cols(); ++j)
+      for (int p = A.outerIndexPtr()[j]; p < A.outerIndexPtr()[j + 1]; ++p)
+        if (const int i = A.innerIndexPtr()[p]; i >= j)
+          entries.emplace_back(std::min(place[at(i)], place[at(j)]), std::max(place[at(i)], place[at(j)]), p);
+    ordered_.resize(A.rows(), A.cols());
+    ordered_.setFromTriplets(entries.begin(), entries.end());
+    from_.assign(ordered_.valuePtr(), ordered_.valuePtr() + ordered_.nonZeros());
+  }
   CholeskyStatus factor_supernodes(const SpMat& A);
   /// The first pivot of L D L' whose sign is not the one asked for, or n; one that is not a number is taken for right.
   std::size_t first_of_wrong_sign() const {
@@ -188,6 +211,8 @@ class Cholmod final : public CholeskyLibrary {
   std::vector<signed char> signs_;  // of A's rows; empty: all positive
   Common common_;
   cholmod_factor* L_ = nullptr;
+  SpMat ordered_;                               // of a simplicial L: order()
+  std::vector<int> from_{};                     // where each of its values is in A
   std::optional<SupernodalFactor> supernodes_;  // of L_, once there was a matrix
   double entries_ = 0;
   double flops_ = 0;

@@ -2,6 +2,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <sstream>
+#include <vector>
 
 #include "lcp/cholesky/cholesky.hpp"
 #include "lcp/classes/classify_parts.hpp"
@@ -219,6 +220,55 @@ void classify_definite(const SpMat& M, const SpMat& Mt, const SpMat& S, const Cl
   for (Property* property : {&d.positive_definite, &d.positive_semidefinite})
     if (property->answer == Answer::NotDecided)
       property->reason = "the cheap tests do not decide, and n is beyond factor_to";
+}
+
+namespace {
+
+/// The variables that are not fixed, and in whose rows M + M' has an entry but zero.
+std::vector<Index> with_forms(const AffineMcp& problem) {
+  const SpMat& M = problem.M;
+  const SpMat Mt = M.transpose();
+  std::vector<char> has(at(M.rows()), 0);
+  for (Index j = 0; j < M.cols(); ++j) {
+    if (problem.box.is_fixed(j)) continue;
+    SpMat::InnerIterator it(M, j), back(Mt, j);
+    while (it || back) {
+      const Index i = !back || (it && it.row() < back.row()) ? it.row() : back.row();
+      double sum = 0;
+      if (it && it.row() == i) sum = it.value(), ++it;
+      if (back && back.row() == i) sum += back.value(), ++back;
+      if (sum != 0 && !problem.box.is_fixed(i)) has[at(i)] = has[at(j)] = 1;
+    }
+  }
+  std::vector<Index> which;
+  for (Index i = 0; i < M.rows(); ++i)
+    if (has[at(i)] != 0) which.push_back(i);
+  return which;
+}
+
+SpMat part_of(const SpMat& M, const std::vector<Index>& which) {
+  std::vector<int> place(at(M.rows()), -1);
+  for (std::size_t k = 0; k < which.size(); ++k) place[at(which[k])] = static_cast<int>(k);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const Index j : which)
+    for (SpMat::InnerIterator it(M, j); it; ++it)
+      if (place[at(it.row())] >= 0) entries.emplace_back(place[at(it.row())], place[at(j)], it.value());
+  SpMat part(std::ssize(which), std::ssize(which));
+  part.setFromTriplets(entries.begin(), entries.end());
+  return part;
+}
+
+}  // namespace
+
+Property positive_semidefinite(const AffineMcp& problem, const ClassifyOptions& options) {
+  SpMat M = part_of(problem.M, with_forms(problem));
+  if (M.rows() == 0) return {.answer = Answer::Yes, .reason = "M + M' = 0"};
+  if (const Exponents e = exponents(M); e.extreme()) M = centred(M, e);
+  const SpMat Mt = M.transpose();
+  Diagnosis d;
+  classify_definite(M, Mt, M + Mt, options, d);
+  take_back_rounded_zeros(M, options.tol, d);
+  return d.positive_semidefinite;
 }
 
 }  // namespace perp::lcp

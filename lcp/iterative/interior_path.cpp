@@ -173,7 +173,7 @@ InteriorPath::Iterate InteriorPath::newton(double least_target) {
   if (accuracy_ > poor && !system_.by_lu() && system_.factor_by_lu() == LuStatus::Ok)
     affine = direction(-x.s.cwiseProduct(x.w));
   if (pairs() == 0) return affine;
-  const double sigma = std::pow(std::max(0.0, gap(moved(affine, reach(affine)))) / std::max(mu, 1e-300), 3);
+  const double sigma = std::pow(std::max(0.0, gap_after(affine, reach(affine))) / std::max(mu, 1e-300), 3);
   const double target = std::max(mu * std::min(1.0, sigma), std::min(least_target, 10 * mu));
   Vec c = target - (x.s.cwiseProduct(x.w) + affine.s.cwiseProduct(affine.w)).array();
   Iterate d = direction(c);
@@ -256,6 +256,15 @@ InteriorPath::Iterate InteriorPath::moved(const Iterate& d, const Lengths& alpha
     to.w[p] += alpha[1 - group_of(p)] * d.w[p];
   }
   return to;
+}
+
+double InteriorPath::gap_after(const Iterate& d, const Lengths& alpha) const {
+  double sum = 0;
+  for (Index p = 0; p < pairs(); ++p) {
+    const std::size_t g = group_of(p);
+    sum += (x.s[p] + alpha[g] * d.s[p]) * (x.w[p] + alpha[1 - g] * d.w[p]);
+  }
+  return pairs() > 0 ? sum / static_cast<double>(pairs()) : 0;
 }
 
 void InteriorPath::adapt_proximal(double alpha, double before, double now) {

@@ -72,7 +72,9 @@ class InteriorPath {
   const std::vector<Bound>& bounds() const { return bounds_; }
   bool linear() const { return linear_; }
   std::size_t group(Index i) const { return group_[at(i)]; }  ///< 0 but for programs
+  /// The mean of s w.
   double gap(const Iterate& of) const { return pairs() > 0 ? of.s.dot(of.w) / static_cast<double>(pairs()) : 0; }
+  double gap_after(const Iterate& d, const Lengths& alpha) const;
   Vec residual(const Iterate& of, const Vec& F) const;  ///< r
   /// Returns the bound of each variable that s < w calls active, or -1.
   std::vector<Index> active() const;

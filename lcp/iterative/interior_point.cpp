@@ -39,7 +39,7 @@ class Run {
     look();
     for (;;) {
       finish();
-      if (best_.solves(limits_.tol)) return end(Status::Stalled, "");
+      if (solved_) return end(Status::Stalled, "");
       if (const auto stop = limits_.reached()) return end(*stop, "stopped between two steps");
       const bool over = k_ >= options_.max_iterations;
       if ((over || (k_ % 5 == 4 && diverges())) && infeasible()) return proven();
@@ -116,18 +116,24 @@ class Run {
     return cells;
   }
 
-  /// Offers the iterate, and the point of the cell that it points to once that has come to rest.
+  void offer(const Vec& x) {
+    if (best_.offer(p_.expand(x)) && !solved_) solved_ = best_.solves(limits_.tol);
+  }
+
+  /// Offers the iterate where it may be a solution, and the point of the cell that it points to once that has come to
+  /// rest.
   void finish(bool now = false) {
-    best_.offer(p_.expand(x_.z));
+    if (p_.natural_residual(x_.z, F_) <= limits_.tol) offer(x_.z);
+    if (solved_) return;
+    const double near = 1e-2 * polished_gap_, gap = path_.gap(x_);
+    if (n_ == 0 || !(now || gap < 10 * near)) return;
     const Cells cells = this->cells();
     const std::uint64_t key = key_of(cells);
-    const bool rest = key == last_key_ && path_.gap(x_) < 1e-2 * polished_gap_;
-    if ((rest || now || best_.solves(limits_.tol)) && key != polished_key_ && n_ > 0) {
-      polished_key_ = key;
-      polished_gap_ = path_.gap(x_);
-      polish(cells);
-    }
-    last_key_ = key;
+    const bool rest = key == std::exchange(last_key_, key) && gap < near;
+    if ((!rest && !now) || key == polished_key_) return;
+    polished_key_ = key;
+    polished_gap_ = gap;
+    polish(cells);
   }
 
   /// Exchanges all violated cells of a cell, as block pivoting does, while that halves the residual.
@@ -140,7 +146,7 @@ class Run {
         if (cells[at(i)] == Cell::Above) z[i] = p_.u[i];
       }
       descend(cells, z, p_.q);
-      if (best_.solves(std::min(limits_.tol, 1e-13))) return;
+      if (solved_) return;
       const Vec F = p_.M * z + p_.q;
       double wrong = 0;
       for (Index i = 0; i < n_; ++i) {
@@ -179,7 +185,7 @@ class Run {
         if (!(norm < 0.1 * last)) break;
         last = norm;
         z = x;
-        if (&q == &p_.q) best_.offer(p_.expand(x));
+        if (&q == &p_.q) offer(x);
         Vec dx(n_);
         (void)path_.system().solve(r, dx);
         for (Index i = 0; i < n_; ++i)
@@ -250,6 +256,7 @@ class Run {
   }
 
   Result end(Status status, std::string message) {
+    offer(x_.z);
     Result result = judged(problem_, best_.z(), limits_, status, std::move(message));
     result.iterations = k_;
     result.factorizations = path_.system().factorizations();
@@ -262,6 +269,7 @@ class Run {
   ScaledMcp p_;
   Box box_;
   Best best_;
+  bool solved_ = false;  ///< best_ is a solution
   InteriorPath path_;
   Iterate& x_ = path_.x;
   Index n_;

@@ -47,6 +47,18 @@ Vec ScaledMcp::expand(const Vec& x) const {
   return z;
 }
 
+double ScaledMcp::natural_residual(const Vec& x, const Vec& F) const {
+  double worst = 0;
+  for (Index k = 0; k < size(); ++k) {
+    const Index i = kept_[at(k)];
+    const Box& box = problem_.box;
+    const double z = std::min(std::max(D_[k] * unit_ * x[k], box.lower[i]), box.upper[i]);
+    const double row = std::max(z - box.upper[i], std::min(F[k] * unit_ / D_[k], z - box.lower[i]));
+    worst = std::max(worst, std::abs(row));
+  }
+  return worst;
+}
+
 Vec ScaledMcp::expand_direction(const Vec& x) const {
   Vec d = Vec::Zero(problem_.size());
   for (Index k = 0; k < size(); ++k) d[kept_[at(k)]] = D_[k] * x[k];

@@ -14,6 +14,8 @@ class ScaledMcp {
 
   Index size() const { return q.size(); }
   Vec expand(const Vec& x) const;
+  /// The natural residual of the problem itself at expand(x), of F = M x + q, but for rounding.
+  double natural_residual(const Vec& x, const Vec& F) const;
   Vec expand_direction(const Vec& x) const;  ///< zero at fixed variables
 
   SpMat M;  ///< with a full diagonal in its pattern

@@ -26,6 +26,7 @@ double ShiftedSystem::dearness() const {
 
 LuStatus ShiftedSystem::factor(const Vec& d) {
   d_ = d;
+  weight_ = d.cwiseMax(1.0).cwiseInverse();
   if (symmetric_)
     for (const double more : {0.0, 1e-8, 1e-6})
       if (ldlt_.factor(d.array() + more)) {
@@ -58,28 +59,34 @@ Vec ShiftedSystem::solved(const Vec& b) const {
 /// Anal. 20 (1983) 345): the first step is the solve, the others are refinement where that converges, and go on where
 /// not.
 double ShiftedSystem::solve(const Vec& b, Vec& x) const {
-  const Vec weight = d_.cwiseMax(1.0).cwiseInverse();
-  const double size = b.cwiseProduct(weight).norm();
   std::vector<Vec> steps, images;  // p and W (M + diag(d)) p, these orthonormal
-  x = Vec::Zero(b.size());
-  Vec r = b.cwiseProduct(weight);
-  for (int k = 0; k < most_steps && r.norm() > solved_enough * size; ++k) {
-    Vec p = solved(r.cwiseQuotient(weight));
-    Vec image = (M_ * p + d_.cwiseProduct(p)).cwiseProduct(weight);
+  Vec r = b.cwiseProduct(weight_), p, image(b.size());
+  const double size = r.norm(), enough = solved_enough * size;
+  double left = size;
+  x.setZero(b.size());
+  for (int k = 0; k < most_steps && left > enough; ++k) {
+    if (k > 0) {
+      const double length = image.norm();
+      steps.push_back(p / length);
+      images.push_back(image / length);
+    }
+    p = solved(k == 0 ? b : r.cwiseQuotient(weight_));
+    image = d_.cwiseProduct(p);
+    image.noalias() += M_ * p;
+    image.array() *= weight_.array();
     for (std::size_t j = 0; j < steps.size(); ++j) {
       const double part = images[j].dot(image);
       image -= part * images[j];
       p -= part * steps[j];
     }
-    const double length = image.norm();
-    if (!(length > 0) || !std::isfinite(length)) break;
-    const double step = image.dot(r) / (length * length);
+    const double square = image.squaredNorm();
+    if (!(square > 0) || !std::isfinite(square)) break;
+    const double step = image.dot(r) / square;
     x += step * p;
     r -= step * image;
-    steps.push_back(p / length);
-    images.push_back(image / length);
+    left = r.norm();
   }
-  return r.norm() / std::max(size, 1e-300);
+  return left / std::max(size, 1e-300);
 }
 
 }  // namespace perp::lcp

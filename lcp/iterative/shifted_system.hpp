@@ -36,7 +36,7 @@ class ShiftedSystem {
   QuasiDefinite ldlt_;
   SparseLu lu_;
   SpMat K_;
-  Vec d_;
+  Vec d_, weight_;  ///< of a row's residual: 1 / max(1, d_i)
   bool symmetric_ = false;
   bool by_lu_ = false;  ///< the last factor() was
   int factorizations_ = 0;

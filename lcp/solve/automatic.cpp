@@ -36,7 +36,7 @@ std::vector<Attempt> automatic_list() {
            .reason = "most problems need about n pivots, which take less than to tell the class of M",
            .worth = "without it definite problems of 12 to 48 rows take 4 to 7 times as long"},
           {.method = BoundQp{},
-           .when = {If::Convex, If::Large},
+           .when = {If::Large, If::Convex},
            .reason = "multigrid",
            .worth = "obstacle problems of a million unknowns"},
           {.method = BlockPivoting{.max_iterations = 100},
@@ -72,8 +72,7 @@ constexpr Index large = 2000;
 constexpr Index pivotable = 20'000;
 constexpr Index few_cells = 20;  // a million cells
 
-/// Decides conditions on a problem, and says what of it makes them hold. The classes of M are told when first asked
-/// for.
+/// Decides conditions on a problem, and says what of it makes them hold, each once it is asked for.
 class Facts {
  public:
   explicit Facts(const AffineMcp& problem) : problem_(problem) {}
@@ -106,8 +105,9 @@ class Facts {
       case If::FewCells:
         return if_so(cells() <= few_cells);
       case If::Convex:
-        return if_so(classes().symmetric.yes() && !classes().positive_semidefinite.no());
+        return if_so(symmetric() && !form().no());
       case If::P:
+        if (!positive_diagonal()) return std::nullopt;
         for (const auto& [property, text] : {std::pair{&classes().m, "an M-matrix"},
                                              {&classes().h_plus, "an H-matrix with positive diagonal"},
                                              {&classes().positive_definite, "positive definite"},
@@ -115,20 +115,39 @@ class Facts {
           if (property->yes()) return text_of("M is ", text, ": ", property->reason);
         return std::nullopt;
       case If::Monotone:
-        if (!classes().positive_semidefinite.yes()) return std::nullopt;
-        return text_of("M is positive semidefinite: ", classes().positive_semidefinite.reason);
+        if (!form().yes()) return std::nullopt;
+        return text_of("M is positive semidefinite: ", form().reason);
     }
     return std::nullopt;
   }
 
+  ClassifyOptions cheap() {
+    // Large symmetric M are the QP's, whatever their factors would say.
+    return {.factor_to = problem_.size() > large && symmetric() ? 0 : 50'000,
+            .dense_to = 100,
+            .minors_to = 12,
+            .p0_to = 0,
+            .copositive_to = 0};
+  }
   const Diagnosis& classes() {
-    if (!classes_) {
-      ClassifyOptions cheap{.factor_to = 50'000, .dense_to = 100, .minors_to = 12, .p0_to = 0, .copositive_to = 0};
-      // Large symmetric M are the QP's, whatever their factors would say.
-      if (problem_.size() > large && symmetric(problem_.M)) cheap.factor_to = 0;
-      classes_ = classify(problem_, cheap);
-    }
+    if (!classes_) classes_ = classify(problem_, cheap());
     return *classes_;
+  }
+  /// Of v'Mv: whether it is never negative.
+  const Property& form() {
+    if (classes_) return classes_->positive_semidefinite;
+    if (!form_) form_ = positive_semidefinite(problem_, cheap());
+    return *form_;
+  }
+  bool symmetric() {
+    if (!symmetric_) symmetric_ = lcp::symmetric(problem_.M);
+    return *symmetric_;
+  }
+  /// P-matrices have one.
+  bool positive_diagonal() const {
+    for (Index i = 0; i < problem_.size(); ++i)
+      if (!problem_.box.is_fixed(i) && !(problem_.M.coeff(i, i) > 0)) return false;
+    return true;
   }
 
   Index cells() const {  // variables that have more than one place
@@ -141,6 +160,8 @@ class Facts {
 
   const AffineMcp& problem_;
   std::optional<Diagnosis> classes_;
+  std::optional<Property> form_;
+  std::optional<bool> symmetric_;
 };
 
 std::string title_of(const Attempt& attempt) {
@@ -154,7 +175,7 @@ Result run(const Attempt& attempt, const AffineMcp& problem, In start, const Lim
     const auto n = static_cast<int>(std::min<Index>(problem.size(), 1'000'000));
     lemke->options.max_pivots = std::min(lemke->options.max_pivots, attempt.pivots + attempt.pivots_a_row * n);
   }
-  return solve(problem, start, method, limits);
+  return solve_in_order(problem, start, method, limits);
 }
 
 }  // namespace

@@ -160,6 +160,8 @@ void prove(const AffineMcp& problem, const Limits& limits, Result& result) {
   result.certificate.resize(0);
 }
 
+}  // namespace
+
 Result solve_in_order(const AffineMcp& problem, In start, const Method& method, const Limits& limits) {
   const Overloaded run{[&](const Auto& m) { return automatic(problem, start, m, limits); },
                        [&](const Lemke& m) { return lemke_method(problem, start, m, limits); },
@@ -175,8 +177,6 @@ Result solve_in_order(const AffineMcp& problem, In start, const Method& method, 
   prove(problem, limits, result);
   return result;
 }
-
-}  // namespace
 
 Result solve(const AffineMcp& problem, In start, const Method& method, const Limits& limits) {
   const auto order = problem.invalid() ? std::nullopt : equation_order(problem.M, problem.box);

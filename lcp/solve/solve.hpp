@@ -69,6 +69,9 @@ struct Attempt {
 /// std::bad_alloc leaves solve(), and objects may only be destroyed; limits are looked at between two factorizations.
 Result solve(const AffineMcp& problem, In start, const Method& method = Auto{}, const Limits& limits = {});
 
+/// solve() with the equations in the order given.
+Result solve_in_order(const AffineMcp& problem, In start, const Method& method, const Limits& limits);
+
 struct MethodEntry {
   std::string_view name;       ///< "auto", "lemke", ...
   std::string_view what;       ///< one line
