@@ -8,6 +8,7 @@ import numpy as np
 import perp
 import pytest
 import scipy.sparse as sp
+from perp import _arrays
 from problems import natural
 
 
@@ -193,3 +194,12 @@ def test_the_matrix_of_an_affine_function_may_be_given_as_such():
     for M in (np.array([[2.0, 1.0], [1.0, 2.0]]), [[2, 1], [1, 2]], sp.csr_matrix([[2.0, 1.0], [1.0, 2.0]])):
         r = perp.solve(lambda x, q: np.array([[2, 1], [1, 2]]) @ x + q, np.zeros(2), jac=M, affine=True, args=(-3.0,))
         np.testing.assert_allclose(r.x, [1, 1])
+
+
+# Catches an array of another layout: the library would read from anywhere.
+def test_the_place_of_an_array_is_what_numpy_says():
+    whole = np.arange(24.0).reshape(4, 6)
+    for array in (whole, whole[1:, 2:], whole[::2], whole.T, np.zeros(0), np.int8([1, 2]), np.array(3.0), np.ones(2, dtype="f4")):
+        assert _arrays.address(array) == array.__array_interface__["data"][0]
+    whole.flags.writeable = False
+    assert _arrays.address(whole) == whole.__array_interface__["data"][0]
