@@ -7,8 +7,6 @@
 namespace perp::lcp {
 namespace {
 
-/// Newton's direction is poor from such an accuracy on: residuals stay where they are.
-constexpr double poor = 1e-5;
 /// The diagonal entry of a fixed variable: leaves nothing of its change.
 constexpr double of_fixed = 1e20;
 /// A quadratic program's delta beside a linear one's: multipliers of 1e6 (LISWET9) move by residuals over delta.
@@ -55,7 +53,7 @@ Vec InteriorPath::nearest(const Vec& z, const Vec& F) {
   for (const std::size_t g : {0U, 1U}) {
     if (g == 1 && !linear_) break;
     const Vec rhs = Vec::NullaryExpr(size(), [&](Index i) { return linear_ && group(i) == g ? 0 : -F[i]; });
-    (void)system_.solve(rhs, part);
+    system_.solve(rhs, part);
     for (Index i = 0; i < size(); ++i)
       if ((!linear_ || group(i) == g) && !box_.is_fixed(i)) to[i] += part[i];
   }
@@ -126,7 +124,7 @@ bool InteriorPath::step_of_free(const Vec& F, Vec& dz) {
   const auto free = [&](Index i) { return box_.is_free(i); };
   if (system_.factor(Vec::NullaryExpr(size(), [&](Index i) { return free(i) ? delta_ : of_fixed; })) != LuStatus::Ok)
     return false;
-  (void)system_.solve(Vec::NullaryExpr(size(), [&](Index i) { return free(i) ? -F[i] : 0; }), dz);
+  system_.solve(Vec::NullaryExpr(size(), [&](Index i) { return free(i) ? -F[i] : 0; }), dz);
   for (Index i = 0; i < size(); ++i)
     if (!free(i)) dz[i] = 0;
   return dz.allFinite();
@@ -169,9 +167,7 @@ LuStatus InteriorPath::factor(const Vec& F) {
 
 InteriorPath::Iterate InteriorPath::newton(double least_target) {
   const double mu = gap(x);
-  Iterate affine = direction(-x.s.cwiseProduct(x.w));
-  if (accuracy_ > poor && !system_.by_lu() && system_.factor_by_lu() == LuStatus::Ok)
-    affine = direction(-x.s.cwiseProduct(x.w));
+  const Iterate affine = direction(-x.s.cwiseProduct(x.w));
   if (pairs() == 0) return affine;
   const double sigma = std::pow(std::max(0.0, gap_after(affine, reach(affine))) / std::max(mu, 1e-300), 3);
   const double target = std::max(mu * std::min(1.0, sigma), std::min(least_target, 10 * mu));
@@ -190,7 +186,7 @@ InteriorPath::Iterate InteriorPath::direction(const Vec& c) {
   Vec rhs = -r_;
   for (Index p = 0; p < pairs(); ++p) rhs[bounds_[at(p)].i] += bounds_[at(p)].sign * (c[p] - x.w[p] * rho_[p]) / x.s[p];
   Iterate d{.z = Vec(size()), .s = Vec(pairs()), .w = Vec(pairs())};
-  accuracy_ = system_.solve(rhs, d.z);
+  system_.solve(rhs, d.z);
   for (Index p = 0; p < pairs(); ++p) {
     const Bound& b = bounds_[at(p)];
     d.s[p] = b.sign * d.z[b.i] + rho_[p];

@@ -102,7 +102,6 @@ class InteriorPath {
   bool program_ = false, linear_ = false;
   Vec r_, rho_;               ///< at x
   std::vector<Index> stiff_;  ///< of each variable: its bound with the largest w / s, or -1 where that is below one
-  double accuracy_ = 0;       ///< of the last direction: ShiftedSystem::solve()
 };
 
 }  // namespace perp::lcp

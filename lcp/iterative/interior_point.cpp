@@ -187,7 +187,7 @@ class Run {
         z = x;
         if (&q == &p_.q) offer(x);
         Vec dx(n_);
-        (void)path_.system().solve(r, dx);
+        path_.system().solve(r, dx);
         for (Index i = 0; i < n_; ++i)
           if (inside(i)) x[i] -= dx[i];
         if (!x.allFinite()) break;

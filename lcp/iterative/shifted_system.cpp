@@ -58,7 +58,7 @@ Vec ShiftedSystem::solved(const Vec& b) const {
 /// Generalised conjugate residuals, with the factors as preconditioner (Eisenstat, Elman & Schultz, SIAM J. Numer.
 /// Anal. 20 (1983) 345): the first step is the solve, the others are refinement where that converges, and go on where
 /// not.
-double ShiftedSystem::solve(const Vec& b, Vec& x) const {
+void ShiftedSystem::solve(const Vec& b, Vec& x) const {
   std::vector<Vec> steps, images;  // p and W (M + diag(d)) p, these orthonormal
   Vec r = b.cwiseProduct(weight_), p, image(b.size());
   const double size = r.norm(), enough = solved_enough * size;
@@ -86,7 +86,6 @@ double ShiftedSystem::solve(const Vec& b, Vec& x) const {
     r -= step * image;
     left = r.norm();
   }
-  return left / std::max(size, 1e-300);
 }
 
 }  // namespace perp::lcp

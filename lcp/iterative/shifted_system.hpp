@@ -21,15 +21,12 @@ class ShiftedSystem {
   double dearness() const;
 
   LuStatus factor(const Vec& d);
-  /// The same by LU, for d where solve() turns out to be poor.
-  LuStatus factor_by_lu();
-  bool by_lu() const { return by_lu_; }
-  /// Solves with the last factor(), which was Ok, and refines. Returns the residual beside b, each row over max(1,
-  /// d_i), in the 2-norm.
-  double solve(const Vec& b, Vec& x) const;
+  /// Solves with the last factor(), which was Ok, and refines.
+  void solve(const Vec& b, Vec& x) const;
   int factorizations() const { return factorizations_; }
 
  private:
+  LuStatus factor_by_lu();
   Vec solved(const Vec& b) const;
 
   const SpMat& M_;
