@@ -4,3 +4,5 @@
 //
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "lcp/dense_factors.hpp"

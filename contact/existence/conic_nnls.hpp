@@ -6,9 +6,9 @@
 /// columns with x_j > 0 stay linearly independent, so that the supports are small. Ends when no c has c.rho < 0. Their
 /// factors C = Q R are changed with them (ch. 24): O(rows columns) for each that enters or leaves.
 /// Private to contact/.
-#include <Eigen/Dense>
 #include <vector>
 
+#include "lcp/dense_factors.hpp"
 #include "lcp/types.hpp"
 
 namespace perp::contact {

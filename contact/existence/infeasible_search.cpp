@@ -13,6 +13,7 @@
 #include "contact/model/unit_cone.hpp"
 #include "lcp/cholesky/symmetric.hpp"
 #include "lcp/deadline.hpp"
+#include "lcp/dense_factors.hpp"
 
 namespace perp::contact {
 namespace {
@@ -349,7 +350,7 @@ void Search::refine(Vec& y, const std::vector<Index>& support, const std::vector
   Eigen::CompleteOrthogonalDecomposition<Dense> factor;
   factor.setThreshold(1e-9);
   factor.compute(G);
-  for (int k = 0; k < 3; ++k) x -= factor.solve(G * x);
+  for (int k = 0; k < 3; ++k) x -= factor.solve(Vec(G * x));
   for (std::size_t k = 0; k < support.size(); ++k) {
     const Index a = support[k];
     y[a] = std::max(0.0, x[static_cast<Index>(k)] / norm_[a]);

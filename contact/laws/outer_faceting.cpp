@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "contact/laws/outer_faceting.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "contact/laws/encoding_builder.hpp"
+#include "lcp/dense_factors.hpp"
 
 namespace perp::contact {
 namespace {

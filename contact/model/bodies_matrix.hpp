@@ -3,10 +3,10 @@
 /// M + H E H' of contact systems that are solved by bodies (contact/model/contact_system.hpp), E one block a contact,
 /// of Size rows at most, on a pattern that is made once. With bilateral constraints M is [M G; G' 0], and the matrix is
 /// indefinite. Private to contact/.
-#include <Eigen/Dense>
 #include <vector>
 
 #include "contact/model/scaling.hpp"
+#include "lcp/dense_factors.hpp"
 
 namespace perp::contact {
 

@@ -20,7 +20,6 @@
 ///
 /// Solutions by bodies are refined with residuals of the system itself: E is as large as 1e10 where contacts stick.
 /// Private to contact/.
-#include <Eigen/LU>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -29,6 +28,7 @@
 #include "contact/model/bodies_matrix.hpp"
 #include "contact/model/scaling.hpp"
 #include "lcp/cholesky/cholesky.hpp"
+#include "lcp/dense_factors.hpp"
 #include "lcp/lu/sparse_lu.hpp"
 
 namespace perp::contact {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "contact/model/delassus.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <atomic>
 #include <cassert>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "lcp/cholesky/symmetric.hpp"
+#include "lcp/dense_factors.hpp"
 #include "lcp/linalg/joined.hpp"
 #include "lcp/lu/condition.hpp"
 

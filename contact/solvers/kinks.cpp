@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "contact/solvers/kinks.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "contact/solvers/solve.hpp"
 #include "lcp/classes/classify.hpp"
+#include "lcp/dense_factors.hpp"
 #include "lcp/solve/enumeration.hpp"
 #include "lcp/solve/solve.hpp"
 #include "lcp/words.hpp"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <sstream>
 #include <vector>
 
 #include "lcp/cholesky/cholesky.hpp"
 #include "lcp/classes/classify_parts.hpp"
+#include "lcp/dense_factors.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::lcp {

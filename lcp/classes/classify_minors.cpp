@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <Eigen/Dense>
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 
 #include "lcp/classes/classify_parts.hpp"
+#include "lcp/dense_factors.hpp"
 
 namespace perp::lcp {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lcp/judge/infeasible.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
 
+#include "lcp/dense_factors.hpp"
 #include "lcp/equilibrate.hpp"
 #include "lcp/judge/product_sum.hpp"
 #include "lcp/judge/refutation.hpp"

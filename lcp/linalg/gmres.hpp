@@ -2,9 +2,9 @@
 #pragma once
 /// GMRES without restarts (Saad & Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856), for systems that are near the
 /// identity and whose products cost much more than vectors do.
-#include <Eigen/QR>
 #include <optional>
 
+#include "lcp/dense_factors.hpp"
 #include "lcp/types.hpp"
 
 namespace perp::lcp {

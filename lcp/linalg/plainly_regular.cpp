@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lcp/linalg/plainly_regular.hpp"
 
-#include <Eigen/LU>
+#include "lcp/dense_factors.hpp"
 
 namespace perp::lcp {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lcp/solve/enumeration.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <sstream>
 
+#include "lcp/dense_factors.hpp"
 #include "lcp/equilibrate.hpp"
 #include "lcp/iterative/bounded_rows.hpp"
 #include "lcp/judge/cell.hpp"

@@ -13,10 +13,10 @@
 /// therefore enter W when they are met, so that ever fewer are violated: the principal pivoting method of Cottle and
 /// Dantzig on the LCP of A M^-1 A', which is finite but takes more pivots (Cottle, Pang & Stone, The Linear
 /// Complementarity Problem, 1992, section 4.2).
-#include <Eigen/Dense>
 #include <algorithm>
 #include <vector>
 
+#include "lcp/dense_factors.hpp"
 #include "lcp/judge/result.hpp"
 #include "lcp/vi/polyhedron.hpp"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lcp/vi/projection.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "lcp/dense_factors.hpp"
 #include "lcp/exact_sum.hpp"
 #include "lcp/solve/solve.hpp"
 #include "lcp/words.hpp"

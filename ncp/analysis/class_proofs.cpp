@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ncp/analysis/class_proofs.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "lcp/dense_factors.hpp"
 #include "ncp/interval/semidefinite.hpp"
 #include "ncp/problem/words.hpp"
 

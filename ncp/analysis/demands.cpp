@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ncp/analysis/demands.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "lcp/dense_factors.hpp"
 #include "lcp/judge/infeasible.hpp"
 #include "lcp/solve/solve.hpp"
 

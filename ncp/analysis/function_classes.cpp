@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ncp/analysis/function_classes.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -10,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "lcp/dense_factors.hpp"
 #include "ncp/analysis/class_proofs.hpp"
 #include "ncp/interval/enclosure.hpp"
 #include "ncp/problem/affine.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ncp/analysis/verify.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -9,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "lcp/dense_factors.hpp"
 #include "lcp/memory.hpp"
 #include "ncp/interval/enclosure.hpp"
 #include "ncp/problem/affine.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <Eigen/QR>
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include "lcp/dense_factors.hpp"
 #include "ncp/methods/newton_direction.hpp"
 #include "ncp/methods/semismooth_newton.hpp"
 #include "ncp/reformulation/line_search.hpp"

@@ -2,12 +2,11 @@
 // Further problems of the literature and small LCPs: published solutions, and the phenomenon each is there for.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <array>
 #include <cmath>
 
 #include "collection/collection.hpp"
+#include "lcp/dense_factors.hpp"
 #include "model_checks.hpp"
 #include "ncp/problem/residual.hpp"
 

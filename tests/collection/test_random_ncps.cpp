@@ -4,13 +4,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <random>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "lcp/dense_factors.hpp"
 #include "ncp/problem/residual.hpp"
 
 namespace perp::ncp::collection {

@@ -3,10 +3,10 @@
 /// ampl/models/compl/bertsek.mod writes it, and its equilibrium against their projection method.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <random>
 
 #include "collection/collection.hpp"
+#include "lcp/dense_factors.hpp"
 
 namespace perp::ncp::collection {
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lcp/adversarial_support.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "lcp/dense_factors.hpp"
 #include "lcp/exact_sum.hpp"
 
 namespace perp::lcp::adversarial {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Matrices and affine MCPs for the tests, and a judge of solutions that shares nothing with the library's.
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "lcp/affine_mcp.hpp"
+#include "lcp/dense_factors.hpp"
 
 namespace perp::support {
 

@@ -2,13 +2,12 @@
 /// The methods of contact/classics where W is by its parts, against the same with W by entries.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
-
 #include "contact/classics/classics.hpp"
 #include "contact/classics/cylinder.hpp"
 #include "contact/classics/trial.hpp"
 #include "contact/model/random_global.hpp"
 #include "contact/solvers/solve.hpp"
+#include "lcp/dense_factors.hpp"
 
 namespace perp::contact {
 namespace {

@@ -2,14 +2,13 @@
 /// Condensation against dense algebra, and what is told of W.
 #include <gmock/gmock.h>
 
-#include <Eigen/Dense>
-
 #include "contact/contact_support.hpp"
 #include "contact/model/facts.hpp"
 #include "contact/model/random_global.hpp"
 #include "contact/model/residual.hpp"
 #include "contact/scenes/generators.hpp"
 #include "contact/solvers/solve.hpp"
+#include "lcp/dense_factors.hpp"
 
 namespace perp::contact {
 namespace {

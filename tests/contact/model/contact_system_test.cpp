@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <vector>
 
 #include "contact/model/jointed.hpp"
 #include "contact/scenes/generators.hpp"
+#include "lcp/dense_factors.hpp"
 #include "support/matrices.hpp"
 
 namespace perp::contact {

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -13,6 +12,7 @@
 #include "contact/contact_support.hpp"
 #include "contact/laws/faceting_support.hpp"
 #include "contact/scenes/scenes_support.hpp"
+#include "lcp/dense_factors.hpp"
 
 namespace perp::contact {
 namespace {

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include "contact/contact_support.hpp"
 #include "contact/laws/glocker.hpp"
 #include "contact/laws/glocker_support.hpp"
+#include "lcp/dense_factors.hpp"
 
 namespace perp::contact {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/QR>
 #include <cmath>
 
+#include "lcp/dense_factors.hpp"
 #include "support/matrices.hpp"
 
 namespace perp::lcp {

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <numeric>
 #include <set>
 
+#include "lcp/dense_factors.hpp"
 #include "support/matrices.hpp"
 
 namespace perp::lcp {

@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <numeric>
 #include <vector>
 
+#include "lcp/dense_factors.hpp"
 #include "support/matrices.hpp"
 
 namespace perp::lcp {

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 
+#include "lcp/dense_factors.hpp"
 #include "support/matrices.hpp"
 
 namespace perp::lcp {
