@@ -18,8 +18,10 @@ OF_THE_SYSTEM = {
     "Windows": re.compile(r"(kernel32|shell32|advapi32|ntdll|api-ms-win-crt-[a-z]+-l1-1-0)\.dll", re.I),
     "Darwin": re.compile(r"/usr/lib/libSystem\.B\.dylib"),
 }
-#: The first bytes of programs and libraries.
+#: How programs and libraries begin.
 MAGIC = {"Linux": b"\x7fELF", "Windows": b"MZ", "Darwin": b"\xcf\xfa\xed\xfe"}
+#: What follows there, by the platform of a wheel.
+PROCESSORS = {"macosx_13_0_arm64": b"\x0c\0\0\1", "macosx_13_0_x86_64": b"\x07\0\0\1"}
 
 #: Static libraries, and the folder of their licence.
 LIBRARIES = {
@@ -126,6 +128,10 @@ def libraries_of(binary, system):
 def wrong_with(binary, system="Linux"):
     """What a program or library needs beyond what a system has."""
     yield from (f"needs {name}" for name in libraries_of(binary, system) if not OF_THE_SYSTEM[system].fullmatch(name))
+    if system == "Darwin":
+        headers = output("llvm-objdump-14", "--macho", "--private-headers", binary)
+        names = re.findall(r"cmd (?:LC_ID_DYLIB|LC_RPATH)\n.*\n *(?:name|path) (\S+)", headers)
+        yield from (f"has the place {name}" for name in names if not name.startswith(("@rpath/", "@loader_path")))
     if system != "Linux":
         return
     versions = set(re.findall(r"Name: ([A-Z]+)_([0-9.]+) +Flags:", output("readelf", "-W", "-V", binary)))  # not of its own
@@ -134,16 +140,22 @@ def wrong_with(binary, system="Linux"):
             yield f"needs {name}_{version}"
 
 
-def is_binary(path, system):
+def magic(system, platform):
+    """The first bytes of programs and libraries."""
+    return MAGIC[system] + PROCESSORS.get(platform, b"")
+
+
+def is_binary(path, first):
     with open(path, "rb") as file:
-        return file.read(len(MAGIC[system])) == MAGIC[system]
+        return file.read(len(first)) == first
 
 
-def wrong_with_folder(folder, patterns, binaries, system="Linux"):
+def wrong_with_folder(folder, patterns, binaries, system="Linux", platform=""):
     """What is missing in an unpacked wheel or archive, and what is wrong with the binaries in it; they are so many."""
+    first = magic(system, platform)
     names = [path.relative_to(folder).as_posix() for path in folder.rglob("*") if not path.is_dir()]
     yield from (f"has no {pattern}" for pattern in missing(patterns, names))
-    found = [name for name in names if not (folder / name).is_symlink() and is_binary(folder / name, system)]
+    found = [name for name in names if not (folder / name).is_symlink() and is_binary(folder / name, first)]
     if len(found) != binaries:
         yield f"has {len(found)} programs and libraries in place of {binaries}: {found}"
     yield from (f"{name} {fault}" for name in found for fault in wrong_with(folder / name, system))
@@ -161,14 +173,16 @@ def main():
         sys.exit(__doc__)
     system = sys.argv[1]
     prefix, made, packed = map(Path, sys.argv[2:])
+    platform = made.stem.split("-")[-1]
     wrong = list(wrong_with_prefix(prefix))
     with tempfile.TemporaryDirectory() as folder:
         shutil.unpack_archive(made, f"{folder}/wheel", "zip")
-        wrong += [f"{made.name} {fault}" for fault in wrong_with_folder(Path(folder) / "wheel", wheel(system), 3, system)]
+        faults = wrong_with_folder(Path(folder) / "wheel", wheel(system), 3, system, platform)
+        wrong += [f"{made.name} {fault}" for fault in faults]
         shutil.unpack_archive(packed, f"{folder}/archive")
         (unpacked,) = (Path(folder) / "archive").iterdir()
         copies = system == "Windows"  # pathampl is no link
-        faults = wrong_with_folder(unpacked, archive(system), 3 + copies, system)
+        faults = wrong_with_folder(unpacked, archive(system), 3 + copies, system, platform)
         wrong += [f"{packed.name} {fault}" for fault in faults]
     print("\n".join(wrong), end="\n" if wrong else "")
     return 1 if wrong else 0
