@@ -70,15 +70,15 @@ template NewtonRowsOfSize<5> alart_curnier_rows<5>(const Scaled::Block&, const C
                                                    FrictionDisk);
 
 template <int Size>
-AlartCurnierOf<Size>::AlartCurnierOf(const Scaled& problem, ContactSystemOf<Size>& system)
-    : problem_(problem), rho_(problem), system_(system) {}
+AlartCurnierOf<Size>::AlartCurnierOf(const Scaled& problem, ContactSystemOf<Size>& system, FrictionDisk radius)
+    : problem_(problem), rho_(problem), system_(system), radius_(radius) {}
 
 template <int Size>
 bool AlartCurnierOf<Size>::step(In r, In centre, double alpha, Vec& to) {
   const Vec u = problem_.W * r + problem_.q + alpha * (r - centre);
   const auto rows_of = [this](std::size_t a, const ContactVector<Size>& r_a, const ContactVector<Size>& u_a) {
     return alart_curnier_rows<Size>(problem_.blocks[a], r_a, u_a, rho_.N[static_cast<Index>(a)],
-                                    tangential_weights<Size>(rho_, a));
+                                    tangential_weights<Size>(rho_, a), radius_);
   };
   NewtonSystemOf<Size> newton = newton_system<Size>(problem_, rows_of, r, u);
   for (RowsOfSize<Size>& rows : newton.rows) rows.A += alpha * rows.B;

@@ -46,7 +46,7 @@ template <int Size>
 class AlartCurnierOf {
  public:
   /// Both outlive *this. The factors of `system`, which is the problem's, are overwritten each step.
-  AlartCurnierOf(const Scaled& problem, ContactSystemOf<Size>& system);
+  AlartCurnierOf(const Scaled& problem, ContactSystemOf<Size>& system, FrictionDisk radius = FrictionDisk::JeanMoreau);
 
   /// r + dr, the full Newton step from r; false if the matrix is singular or dr not finite.
   bool step(In r, In centre, double alpha, Vec& to);
@@ -55,6 +55,7 @@ class AlartCurnierOf {
   const Scaled& problem_;
   NewtonWeights rho_;
   ContactSystemOf<Size>& system_;
+  FrictionDisk radius_;
 };
 using AlartCurnier = AlartCurnierOf<3>;
 

@@ -37,11 +37,11 @@ struct GlockerHomotopy {
 };
 
 /// These kernels, one after another, until one solves the problem (bench/results/ablations.md says what each is worth):
-/// sweeps of Gauss-Seidel; the cones' paths, from the associated law (contact/solvers/cone_homotopy.hpp); one attempt
-/// of the homotopy, with Newton steps on the equation of Alart & Curnier when it comes near a solution (`polish`), and
-/// damped Newton steps from its best point where it stalls; groups of contacts that do not act on each other, each by
-/// itself; and a proximal loop, which singular W need: r_{k+1} solves the problem with (W + alpha I, q - alpha r_k),
-/// alpha falls as long as these problems are solved, and parallel increments are extrapolated.
+/// sweeps of Gauss-Seidel, and Newton steps on the equation of Alart & Curnier where these leave nothing that sticks;
+/// the cones' paths, from the associated law (cone_homotopy.hpp); one attempt of the homotopy, with such Newton steps
+/// near a solution (`polish`), and damped ones from its best point where it stalls; groups of contacts that do not act
+/// on each other, each by itself; and a proximal loop, which singular W need: r_{k+1} solves the problem with (W +
+/// alpha I, q - alpha r_k), alpha falls as long as these problems are solved, and parallel increments are extrapolated.
 struct Auto {
   GlockerHomotopy homotopy{};
   /// Sweeps of nonsmooth Gauss-Seidel before anything else (contact/classics/gauss_seidel.hpp), ended where they
