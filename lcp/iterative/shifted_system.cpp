@@ -10,8 +10,9 @@ namespace {
 
 /// Each costs a solve.
 constexpr int most_steps = 10;
-/// Residual beside the right-hand side from which on Newton's direction gains nothing by another step.
-constexpr double solved_enough = 1e-7;
+/// Residual beside the right-hand side from which on Newton's direction gains nothing by another step; with ten times
+/// that QPILOTNO is lost.
+constexpr double solved_enough = 1e-5;
 
 }  // namespace
 
