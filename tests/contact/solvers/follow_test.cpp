@@ -58,15 +58,17 @@ TEST(Follower, BeginsOpenWhereContactsCarryNothing) {
 
 // Bricks that rattle: sweeps find the contacts' states, and Newton's method the digits that take them dozens more.
 TEST(Follower, EndsSweepsByNewtonSteps) {
-  ShakenScene scene(make_scene("wall", 40), {.amplitude = 3});
-  Sequence sequence;
   int ended = 0;
-  for (int k = 0; k < 60; ++k) {
-    const long followed = sequence.stats().followed;
-    const contact::Run run = sequence.step(scene.problem());
-    ASSERT_TRUE(run.solved) << run.message;
-    if (sequence.stats().followed > followed && run.solved_by == "newton" && counted(run, "sweeps") > 0) ++ended;
-    scene.advance(run.solution.r);
+  for (const double amplitude : {5, 6}) {
+    ShakenScene scene(make_scene("wall", 40), {.amplitude = amplitude});
+    Sequence sequence;
+    for (int k = 0; k < 60; ++k) {
+      const long followed = sequence.stats().followed;
+      const contact::Run run = sequence.step(scene.problem());
+      ASSERT_TRUE(run.solved) << run.message;
+      if (sequence.stats().followed > followed && run.solved_by == "newton" && counted(run, "sweeps") > 0) ++ended;
+      scene.advance(run.solution.r);
+    }
   }
   EXPECT_GT(ended, 0);
 }
