@@ -474,18 +474,15 @@ typedef struct perp_contact_batch perp_contact_batch;
 int32_t perp_contact_batch_create(int32_t interface_, const perp_solver* solver, int64_t count, const char* variant,
                                   perp_contact_batch** batch, perp_error* error);
 void perp_contact_batch_free(perp_contact_batch* batch);
-/** The next step of each: W d n x d n by rows, q d n, mu n; contact a begins near its impulse of the simulation's last
- * solved step. In so many threads; threads 0: one a processor. r and u get count d n entries, as of perp_contact_solve,
- * status (perp_status) and residual (largest, or own of other laws' problems) count; each may be NULL. What comes back
- * depends neither on the order nor on the threads, to the last bit, unless a time limit ends a step. */
+/** The next step of each: W d n x d n by rows, q d n, mu n; begins near the last solved one. Threads 0: one a
+ * processor. r and u get count d n entries, as of perp_contact_solve, status (perp_status) and residual (largest, or
+ * own of other laws' problems) count; each may be NULL. Bits depend on order and threads by a time limit alone. */
 int32_t perp_contact_batch_step(perp_contact_batch* batch, int32_t dimension, int64_t contacts, const perp_varying* W,
                                 const perp_varying* q, const perp_varying* mu, int32_t threads, double* r, double* u,
                                 int32_t* status, double* residual, perp_error* error);
-/** How the solution r moves with m parameters p: dq = dq/dp, d n x m; dmu = dmu/dp, n x m; dW, m matrices dW/dp_j, d n
- * x d n; NULL: does not depend on p. m = 0, all NULL: by q and, after it, mu. With a direction of m entries: in that
- *  direction only, which exists at kinks, too. Fields of the result:
- *    status, known, message, directions, rcond, strongly_regular
- *                    as of perp_sensitivity
+/** How the solution r moves with m parameters p: dq/dp, d n x m; dmu/dp, n x m; dW, m matrices dW/dp_j, d n x d n; each
+ * may be NULL. m = 0: by q and then mu. With a direction of m entries: in it alone, at kinks, too. Fields:
+ *    status, known, message, directions, rcond, strongly_regular: as of perp_sensitivity
  *    dr, du          reals, d n x directions by rows
  *    regions         texts: "open", "stick", "slip", "roll"; at a kink "touching", "edge"
  *    degenerate      integers: the contacts at a kink

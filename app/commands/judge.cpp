@@ -47,8 +47,8 @@ Verdict verdict_of(const ncp::Mcp& mcp, ncp::Vec x, double tol) {
   if (mcp.polyhedron() != nullptr) {  // multipliers need not be unique: x alone is judged
     lcp::Limits limits;
     limits.tol = tol;
-    const lcp::ViResult of_x = ncp::judge_vi(mcp, verdict.x.head(mcp.polyhedron()->size()), limits);
-    verdict.residual.natural = of_x.residual;
+    const lcp::ViResult of_x = ncp::judge_vi(mcp, (near ? inside : verdict.x).head(mcp.polyhedron()->size()), limits);
+    verdict.residual.natural = near ? std::max(out, of_x.residual) : of_x.residual;
     verdict.residual.worst = of_x.worst;
     verdict.to_rounding = of_x.accepted();
     return verdict;

@@ -160,6 +160,9 @@ lcp::Polyhedron AslModel::polyhedron_of_multipliers() const {
   for (Index k = 0; k < m; ++k) {
     const Equation& e = pairing_.equations[at(n + k)];
     C.rows.lower[k] = e.sign * (e.bound - constants[nl_.expressions.rows[at(e.index)]]);
+    if (!std::isfinite(C.rows.lower[k]))
+      throw ModelError(bad_file, nl_.at(nl_.rows[at(e.index)].place) + ": the constant of constraint " +
+                                     names_.row(e.index) + ", a row of the polyhedron, is not defined");
     if (box().is_free(n + k)) C.rows.upper[k] = C.rows.lower[k];
   }
   return C;

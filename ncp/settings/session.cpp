@@ -48,13 +48,30 @@ ncp::Observer first_solve_only(ncp::Observer observer) {
   return first;
 }
 
+/// The proof that a variational inequality has no solution, whose certificate is of the problem with multipliers or of
+/// the polyhedron alone. Bound 0: none.
+ncp::Infeasibility proof_of(const ncp::Mcp& mcp, const lcp::ViResult& vi) {
+  const lcp::Polyhedron& C = *mcp.polyhedron();
+  const auto affine = ncp::affine_part(mcp);
+  ncp::SpMat identity(C.size(), C.size());
+  identity.setIdentity();
+  const lcp::AffineMcp known = affine ? *affine : lcp::lifted({identity, ncp::Vec::Zero(C.size()), C});
+  lcp::Refutation proof = lcp::refutation_by(known, vi.certificate);
+  if (!(proof.tolerance > 0)) return {};
+  return {.residual_bound = proof.tolerance,
+          .certificate = std::make_shared<const lcp::Refutation>(std::move(proof)),
+          .multipliers = vi.certificate};
+}
+
 /// Gives the result of the problem with multipliers, which there is none of where F is affine, the point and the
-/// verdict of the variational inequality.
-void judge_by_projection(const ncp::Mcp& mcp, const ncp::Vec& x0, const lcp::ViResult& vi, double tol,
+/// verdict of the variational inequality. False: that there is no solution has no proof here.
+bool judge_by_projection(const ncp::Mcp& mcp, const ncp::Vec& x0, const lcp::ViResult& vi, const ncp::Stop& stop,
                          ncp::Result& result) {
   const lcp::Polyhedron& C = *mcp.polyhedron();
   const bool judged = vi.x.size() == C.size();
   const bool has_multipliers = vi.multipliers.size() == C.A.rows();
+  const bool infeasible = vi.status == ncp::Status::Infeasible;
+  if (infeasible && result.status == vi.status && result.proof.residual_bound > 0) return true;
   result.x = judged ? ncp::lifted_point(mcp, vi.x, has_multipliers ? vi.multipliers : ncp::Vec::Zero(C.A.rows()))
                     : lcp::project(mcp.box(), x0);
   result.F = ncp::Vec::Zero(mcp.size());
@@ -64,23 +81,22 @@ void judge_by_projection(const ncp::Mcp& mcp, const ncp::Vec& x0, const lcp::ViR
     result.residual.natural = vi.residual;
     result.residual.worst = vi.worst;
   }
+  const lcp::Accuracy accuracy = ncp::accuracy(mcp, result.x);
+  result.relative = accuracy.relative;
+  result.relative_row = accuracy.worst;
   result.stats.iterations = static_cast<int>(vi.iterations);
-  if (result.status == vi.status && !result.accepted()) return;
   result.status = vi.status;
   result.message = vi.message;
-  if (result.accepted()) result.advice.clear();
-  if (vi.status != ncp::Status::Infeasible) return;
-  const auto affine = ncp::affine_part(mcp);
-  ncp::SpMat identity(C.size(), C.size());
-  identity.setIdentity();
-  const lcp::AffineMcp known = affine ? *affine : lcp::lifted({identity, ncp::Vec::Zero(C.size()), C});
-  lcp::Refutation proof = lcp::refutation_by(known, vi.certificate);
-  if (proof.tolerance >= tol)
-    result.proof = {.residual_bound = proof.tolerance,
-                    .certificate = std::make_shared<const lcp::Refutation>(std::move(proof)),
-                    .multipliers = vi.certificate};
-  else
+  if (result.accepted() && accuracy.relative > stop.tol_relative) {
     result.status = ncp::Status::Stalled;
+    result.message += "; the tolerance is met, but |F_i| <= tol_relative t_i is not, off the bounds";
+  }
+  if (result.accepted()) result.advice.clear();
+  if (infeasible) {
+    result.notes.clear();
+    result.proof = proof_of(mcp, vi);
+  }
+  return !infeasible || result.proof.residual_bound > 0;
 }
 
 }  // namespace
@@ -89,6 +105,9 @@ Outcome Session::run() const {
   check_sides(*this);
   if (settings.solutions && enumeration_of(settings.method) != nullptr)
     throw InputError("several solutions: method enumeration lists all of them by itself");
+  if (settings.solutions && mcp.polyhedron() != nullptr)
+    throw InputError(
+        "several solutions: of a variational inequality each x has many multipliers; they are not told apart");
   Outcome outcome;
   ncp::Method method = settings.method;
   ncp::Stop& stop = ncp::stop(method);
@@ -104,10 +123,16 @@ Outcome Session::run() const {
     result = outcome.several->found.empty() ? outcome.several->first : outcome.several->found.front().result;
   } else {
     const auto solve = [&] { return result = ncp::solve(mcp, x0, method, shown, settings.basis); };
-    if (mcp.polyhedron() == nullptr)
+    if (mcp.polyhedron() == nullptr) {
       solve();
-    else
-      judge_by_projection(mcp, x0, *(outcome.vi = ncp::solve_vi(mcp, solve, ncp::vi_limits(stop))), stop.tol, result);
+    } else {
+      outcome.vi = ncp::solve_vi(mcp, solve, ncp::vi_limits(stop));
+      // An enumeration, say, leaves no multipliers: the methods of the problem with multipliers find their own proof.
+      if (!judge_by_projection(mcp, x0, *outcome.vi, stop, result) && solve().status != ncp::Status::Infeasible) {
+        result.status = ncp::Status::Stalled;
+        result.message = outcome.vi->message + "; no certificate was found";
+      }
+    }
   }
   if (model != nullptr) add_model_notes(mcp, *model, x0, method, result);
 

@@ -24,15 +24,18 @@ class ProjectionJudge {
     z.head(n) = x;
     lcp::ViResult refused;
     refused.x = x;
-    if (!lifted_.eval(z, F) || !F.allFinite() || !lifted_.jacobian(z, J_)) {
+    if (!lifted_.eval(z, F) || !F.allFinite()) {
       refused.status = Status::EvaluationFailed;
       refused.message = "F is not defined at the point reached";
       return refused;
     }
     const Vec F_x = F.head(n);
-    return lcp::judge_vi(projector_, x, F_x, 0, row_terms(leading(J_, n), x, F_x).size, face, limits_);
+    has_J_ = lifted_.jacobian(z, J_);
+    const Vec terms = has_J_ ? row_terms(leading(J_, n), x, F_x).size : Vec(F_x.cwiseAbs());
+    return lcp::judge_vi(projector_, x, F_x, 0, terms, face, limits_);
   }
-  /// The affine VI at the point judged last.
+  bool has_jacobian() const { return has_J_; }  ///< at the point judged last
+  /// The affine VI there.
   lcp::AffineVi linearised(const lcp::ViResult& at) const {
     SpMat J = leading(J_, at.x.size());
     Vec q = at.F - J * at.x;
@@ -44,6 +47,7 @@ class ProjectionJudge {
   const lcp::Limits& limits_;
   lcp::Projector projector_;
   SpMat J_;
+  bool has_J_ = false;
 };
 
 }  // namespace
@@ -56,7 +60,7 @@ lcp::ViResult solve_vi(const Mcp& lifted, const std::function<Result()>& solve, 
   const Result found = solve();
   ProjectionJudge judge(lifted, limits);
   lcp::ViResult best = judge(found.x.head(n), {});
-  for (int step = 0; step < josephy_steps && !best.solved() && best.F.size() > 0; ++step) {
+  for (int step = 0; step < josephy_steps && !best.solved() && judge.has_jacobian(); ++step) {
     const lcp::ViResult next = lcp::solve_vi(judge.linearised(best), {}, limits);
     if (next.x.size() != n || !next.x.allFinite()) break;
     lcp::ViResult judged = judge(next.x, next.face);
@@ -66,8 +70,9 @@ lcp::ViResult solve_vi(const Mcp& lifted, const std::function<Result()>& solve, 
   best.iterations = found.stats.iterations;
   if (best.accepted()) return best;
   if (!found.accepted()) best.status = found.status;
-  best.message = found.accepted() ? best.message + ", though the problem with multipliers is solved" : found.message;
-  if (found.status == Status::Infeasible || limits.reached()) return best;
+  best.message +=
+      found.accepted() ? ", though the problem with multipliers is solved" : "; with multipliers: " + found.message;
+  if (limits.reached()) return best;
   // The projection of x says whether C is empty; a proof is the affine one.
   SpMat identity(n, n);
   identity.setIdentity();

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from perp import _library
 from perp._arrays import address, doubles, refuse
 from perp._library import INTERFACE, call
+from perp._problem import _count
 from perp._result import Shown
 from perp._solve import solve
 from perp._types import Array, Bound
@@ -142,7 +143,7 @@ def _affine(M: Any, q: Any, A: Any, b: Any, c: Any, lower: Any, upper: Any, tol:
         m,
         *(varying.get(name) for name in ("M", "q", "A", "b", "c", "lower", "upper")),
         tol,
-        threads,
+        _count(threads, "threads", 0),
         *(address(array) for array in (x, multipliers, status, residual)),
     )
     return BatchResult(x, status == 0, names_of(status), residual, multipliers)

@@ -116,13 +116,13 @@ def _names(given: Sequence[str], n: int, name: str) -> Any:
     return (ctypes.c_char_p * n)(*texts)
 
 
-def _count(given: int, name: str) -> int:
+def _count(given: int, name: str, least: int = 1) -> int:
     try:
         count = operator.index(given)
     except TypeError:
         raise TypeError(f"{name}: is of type {kind(given)}, and must be an integer") from None
-    if not 1 <= count < 2**31:
-        raise ValueError(f"{name}: is {count}, and must be at least 1 and below 2**31")
+    if not least <= count < 2**31:
+        raise ValueError(f"{name}: is {count}, and must be at least {least} and below 2**31")
     return count
 
 

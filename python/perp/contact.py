@@ -264,6 +264,10 @@ class Batch:
         if not k or size not in (2 * k, 3 * k):
             refuse("q", f"has {size} entries, and must have 2 or 3 for each of the {k} contacts of mu")
         _, varying = varying_of(given, {"W": (size, size), "q": (size,), "mu": (k,)}, self.count)
+        for name, array in given.items():
+            if not np.isfinite(array).all():
+                at = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+                refuse(name, f"entry {list(at)} is {array[at]}")
         r, u = np.empty((self.count, size)), np.empty((self.count, size))
         status, residual = np.empty(self.count, np.int32), np.empty(self.count)
         call(
@@ -272,7 +276,7 @@ class Batch:
             size // k,
             k,
             *varying.values(),
-            threads,
+            _count(threads, "threads", 0),
             *(address(array) for array in (r, u, status, residual)),
         )
         return BatchResult(r, u, status == 0, names_of(status), residual)

@@ -21,6 +21,7 @@ from pyomo.opt import SolverStatus, TerminationCondition  # noqa: E402
 
 pytest.importorskip("perp.pyomo")
 from perp.pyomo import ModelError  # noqa: E402
+from perp.pyomo._model import _polyhedron  # noqa: E402
 
 PROGRAM = os.environ.get("PERP", "")
 if not PROGRAM:
@@ -406,8 +407,29 @@ def test_a_polyhedron_by_its_suffix(solver):
     m.C[4].deactivate()
     solved(m, solver)
     assert m.x[1].value == pytest.approx(1, abs=1e-8) and m.C[4] not in m.dual
+    m.polyhedron[m.C[1]] = 0  # takes one back
+    assert id(m.C[1]) not in _polyhedron(m) and id(m.C[2]) in _polyhedron(m)
+    m.polyhedron.clear()
+    m.polyhedron[None] = 1  # Pyomo's default
+    assert id(m.C[1]) in _polyhedron(m)
     m.polyhedron.deactivate()
     assert "not square" in solver.solve(m, load_solutions=False).solver.message
+
+
+def test_a_row_of_a_polyhedron_that_becomes_an_equation(solver):
+    """x = 4, F = x - 1 = 3. Would catch two multipliers that are read where the program has one."""
+    m = pyo.ConcreteModel()
+    m.p = pyo.Param(initialize=4, mutable=True)
+    m.x = pyo.Var(bounds=(0, None), initialize=1)
+    m.F = Complementarity(expr=complements(m.x >= 0, m.x - 1))
+    m.cap = pyo.Constraint(expr=(m.p, m.x, 4))
+    m.polyhedron = pyo.Suffix(direction=pyo.Suffix.EXPORT)
+    m.dual = pyo.Suffix(direction=pyo.Suffix.IMPORT)
+    m.polyhedron[m.cap] = 1
+    for low, multiplier in ((4, 3), (2, 1)):
+        m.p = low
+        solved(m, solver)
+        assert m.dual[m.cap] == pytest.approx(multiplier, abs=1e-8)
 
 
 def test_where_the_start_is_undefined(solver, caplog):

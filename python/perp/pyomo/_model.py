@@ -70,9 +70,13 @@ def _polyhedron(model: Any) -> set[int]:
     found = set()
     for suffix in model.component_objects(Suffix, active=True):
         if suffix.local_name == "polyhedron":
-            for component, number in suffix.items():
-                if number:
-                    found.update(map(id, component.values() if component.is_indexed() else [component]))
+            items = sorted(suffix.items(), key=lambda item: item[0] is not None and not item[0].is_indexed())
+            for component, number in items:  # those of all and of families first, of single ones last
+                if component is None:
+                    data = model.component_data_objects(Constraint, active=True)
+                else:
+                    data = component.values() if component.is_indexed() else [component]
+                (found.update if number else found.difference_update)(map(id, data))
     return found
 
 

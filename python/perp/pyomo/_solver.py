@@ -376,7 +376,8 @@ def _load(model: Any, compiled: CompiledModel, point: list[float], F: list[float
 def _multipliers(compiled: CompiledModel, entries: list[Any]) -> Iterator[tuple[Any, float]]:
     """Those of the rows of a polyhedron, which are the last variables: one of an equation, else one of each side."""
     rows = [row for row in compiled.rows if row.polyhedron]
-    signs = [[1.0] if row.is_equation else [1.0] * (row.lower is not None) + [-1.0] * (row.upper is not None) for row in rows]
+    sides = [[None if n is None else compiled.tape.number(n) for n in (row.lower, row.upper)] for row in rows]
+    signs = [[1.0] if low == high else [1.0] * (low is not None) + [-1.0] * (high is not None) for low, high in sides]
     numbers = iter(_number(entry["value"]) for entry in entries[len(entries) - sum(map(len, signs)) :])
     for row, of_row in zip(rows, signs):
         yield row.component, sum(sign * next(numbers) for sign in of_row)

@@ -109,9 +109,11 @@ TEST(ContactUnsolvable, TextAndJson) {
     EXPECT_EQ(run.status, Status::Infeasible) << label;
     std::ostringstream text;
     print_verdict(text, problem, run);
-    EXPECT_THAT(text.str(), HasSubstr("no solution exists")) << label;
-    EXPECT_THAT(text.str(), HasSubstr("contacts 1 and 2")) << label;
-    EXPECT_THAT(text.str(), testing::Not(HasSubstr("--tol"))) << label;
+    std::string words = text.str();
+    std::ranges::replace(words, '\n', ' ');
+    EXPECT_THAT(words, HasSubstr("no solution exists")) << label;
+    EXPECT_THAT(words, HasSubstr("contacts 1 and 2")) << label;
+    EXPECT_THAT(words, testing::Not(HasSubstr("--tol"))) << label;
     const Json json = parse_json(run_json(loaded, run, exit_unsolved));
     EXPECT_EQ(json["status"], "Infeasible");
     EXPECT_EQ(json["existence"], "none");

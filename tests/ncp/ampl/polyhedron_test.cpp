@@ -10,6 +10,7 @@
 #include "ncp/interval/enclosure.hpp"
 #include "ncp/interval/expression.hpp"
 #include "ncp/settings/session.hpp"
+#include "ncp/strategy/lists.hpp"
 #include "nl_text.hpp"
 
 namespace perp::ncp::ampl {
@@ -67,6 +68,52 @@ TEST(Polyhedron, RefusesRowsThatAreNone) {
           "S1 1 polyhedron\n2 1\nC0\no0\no5\nv0\nn3\nn-8\nC1\nn2\nC2\nn0\nr\n5 3 1\n2 5\n5 3 2\nb\n2 0\n2 0\n"
           "k1\n3\nJ0 1\n0 0\nJ1 2\n0 1\n1 1\nJ2 2\n0 1\n1 1\n",
       bad_file, {"_scon[3]", "complements a variable", "polyhedron"});
+}
+
+/// One variable x >= 0, F complements it, and a row x >= bound, or a constant more.
+std::string line(const std::string& F, const std::string& coefficient, const std::string& bound,
+                 const std::string& constant = "n0\n") {
+  return text({.cons = 2, .cc = 1, .nonzeros = 2}) + "S1 1 polyhedron\n1 1\nC0\n" + F + "C1\n" + constant +
+         "x1\n0 1\nr\n5 1 1\n2 " + bound + "\nb\n2 0\nk0\nJ0 1\n0 " + coefficient + "\nJ1 1\n0 1\n";
+}
+
+// F = sqrt(x) + 1 and its solution 0, where F' is not defined. Catches a judge that asks for more than F.
+TEST(Polyhedron, SolutionWithoutADerivative) {
+  const auto m = read_text(line("o0\no39\nv0\nn1\n", "0", "-1"));
+  const lcp::ViResult judged = judge_vi(*m, Vec::Zero(1), {.tol = 1e-8});
+  EXPECT_TRUE(judged.solved()) << judged.message;
+  EXPECT_TRUE(solved(*m).result.solved());
+}
+
+// F = -x on x >= 1: no solution, which an enumeration proves that leaves no multipliers. Catches a proof that is lost.
+TEST(Polyhedron, ProofByEnumerationStays) {
+  const auto m = read_text(line("n0\n", "-1", "1"));
+  const settings::Outcome outcome = solved(*m);
+  EXPECT_EQ(outcome.result.status, Status::Infeasible) << outcome.result.message;
+  EXPECT_GT(outcome.result.proof.residual_bound, 0.1);
+}
+
+// 1e-9 (x^3 - 8) is below the tolerance at the start. Catches --tol-relative that goes unheard.
+TEST(Polyhedron, RelativeToleranceCounts) {
+  const auto m = read_text(line("o2\nn1e-9\no0\no5\nv0\nn3\nn-8\n", "0", "0.5"));
+  settings::Settings strict;
+  strict.method = automatic({.tol_relative = 1e-6, .max_iterations = 0});
+  EXPECT_FALSE(
+      (settings::Session{.mcp = *m, .x0 = m->start(), .settings = strict, .model = m.get()}.run().result.accepted()));
+}
+
+// Multipliers of one x would count as solutions.
+TEST(Polyhedron, RefusesToLookForSeveral) {
+  const auto m = read_text(cubic);
+  settings::Settings several;
+  several.solutions = 5;
+  EXPECT_THROW((settings::Session{.mcp = *m, .x0 = m->start(), .settings = several, .model = m.get()}.run()),
+               settings::InputError);
+}
+
+TEST(Polyhedron, RefusesConstantsThatAreNoNumbers) {
+  for (const char* constant : {"o43\nn-1\n", "o44\nn1000\n"})
+    expect_refused(line("n0\n", "1", "1", constant), bad_file, {"_scon[2]", "not defined"});
 }
 
 /// A model F(x) = M x + q + exp(x_i / 4) on rows of every kind: it, and its polyhedron as it was drawn.
