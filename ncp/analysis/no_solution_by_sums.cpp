@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lcp/exact_sum.hpp"
+#include "lcp/judge/infeasible.hpp"
 #include "lcp/judge/refutation.hpp"
 #include "ncp/analysis/demands.hpp"
 #include "ncp/analysis/no_solution.hpp"
