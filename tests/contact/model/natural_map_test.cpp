@@ -178,7 +178,7 @@ class Points {
   ContactVector<Size> vector(double size) {
     ContactVector<Size> v = random_.normals(Size);
     for (int i = 0; i < Size && random_.chance(0.5); ++i) v[i] *= power(one_disk && random_.chance(0.3) ? 200 : 10);
-    v *= size / v.norm();
+    if (const double norm = v.stableNorm(); norm > 0) v *= size / norm;
     if (random_.chance(0.25)) v[0] = std::abs(v[0]);
     return v;
   }
@@ -192,7 +192,7 @@ class Points {
     return sum;
   }
   static double quarter_of(const ContactVector<Size>& v) {
-    return std::ldexp(1, std::ilogb(std::max(v.norm(), 1e-300)) - 2);
+    return std::ldexp(1, std::ilogb(std::max(1e-300, v.norm())) - 2);
   }
   /// |v_j| = mu_j v_N to rounding, or exactly: (3, 4, 5).
   void put_on_cone(const Point<Size>& p, ContactVector<Size>& v, int j) {
