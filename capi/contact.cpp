@@ -103,7 +103,7 @@ Part existence(Work& work, const contact::Problem& problem) {
       contact::existence(problem, {.max_time = std::chrono::duration<double>(seconds), .interrupt = work.stop()}));
 }
 
-/// Those that are not NULL.
+/// Reads the derivatives that are not NULL.
 contact::ParameterDerivatives derivatives_of(const contact::Problem& problem, std::int64_t m, const perp_matrix* dq,
                                              const perp_matrix* dmu, const perp_matrix* dW) {
   const Index size = problem.q.size();

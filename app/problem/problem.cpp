@@ -92,7 +92,7 @@ bool is_number(const std::string& given) {
   return *end == '\0';
 }
 
-/// Of each variable or row: the number, or the numbers of the file.
+/// Reads the bounds of all variables or rows: the number, or the numbers of the file.
 lcp::Vec bound(const char* flag, const std::string& given, double otherwise, lcp::Index n) {
   if (given.empty()) return lcp::Vec::Constant(n, otherwise);
   lcp::Vec bounds =

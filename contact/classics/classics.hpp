@@ -18,7 +18,7 @@
 
 namespace perp::contact {
 
-/// What a solve has spent.
+/// Counts of what a solve has spent.
 struct Stats {
   int iterations = 0;       ///< homotopy steps, or iterations of the ncp method or of a classic
   int sweeps = 0;           ///< over all contacts; of Cadoux iterations of ADMM

@@ -11,7 +11,7 @@
 namespace perp::contact {
 namespace {
 
-/// Of W + alpha I, one after another until there is a direction.
+/// Tries W + alpha I, one alpha after another until there is a direction.
 constexpr std::array newton_alphas{1e-10, 1e-8, 1e-6, 1e-4, 1e-2};
 
 /// A direction with a larger residual, relative to its right side, is none: the matrix is singular, or (A + alpha B)^-1

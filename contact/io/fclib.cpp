@@ -275,7 +275,7 @@ Fclib read_all(std::string_view content) {
 
 // --- writing ---------------------------------------------------------------------------------------------------------
 
-/// By its columns, which are compressed.
+/// Writes a matrix by its columns, which are compressed.
 void write_matrix(Hdf5Writer& out, const std::string& path, const SpMat& A) {
   out.integers(path + "/m", {A.rows()});
   out.integers(path + "/n", {A.cols()});

@@ -81,7 +81,7 @@ class Inertia {
   double rcond_ = 1;
 };
 
-/// Where each velocity is among those of the bodies that H has entries of, or -1.
+/// Places of the velocities among those of the bodies that H has entries of, or -1.
 std::vector<int> touched_velocities(const Inertia& inertia, const SpMat& H);
 
 /// What contact velocities would be of, without constraints and couplings, as squares of N: sum_i H_ij^2 / M_ii.
@@ -165,7 +165,7 @@ class Delassus {
   /// The contacts, of d rows each, in groups that do not act on each other, however indirectly: coupled by an entry
   /// that is not 0; of parts, by a body. By their first contacts, which ascend in each.
   std::vector<std::vector<Index>> groups(int d) const;
-  /// In these rows and columns; by its parts with the inertia of all bodies, factored once.
+  /// Gives these rows and columns, by its parts with the inertia of all bodies, factored once.
   Delassus part(const std::vector<Index>& rows) const;
   /// W R, column by column.
   Eigen::MatrixXd columns(const Eigen::MatrixXd& R) const;

@@ -153,7 +153,7 @@ std::optional<Residual> Judge::far(In r, double tol) const {
   return out;
 }
 
-/// In the problem's own units, as the published metrics are.
+/// Measures in the problem's own units, as the published metrics do.
 template <int Size>
 double Judge::natural(In r, In u) const {
   const int width = disks<Size> == 1 ? 2 : problem_.disk_width();

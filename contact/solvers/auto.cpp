@@ -144,7 +144,7 @@ const std::array<typename Solver<Size>::Entry, 7> Solver<Size>::list{{
      &Solver<Size>::proximal, &Solver<Size>::proximal_loop},
 }};
 
-/// As from the step before of a sequence; of two disks Newton steps alone.
+/// Goes on as from the step before of a sequence; of two disks by Newton steps alone.
 template <int Size>
 bool Solver<Size>::from_start() {
   if (referee_.judge(start_, {.by = Origin::WarmStart}) || !method_.polish) return referee_.over();
@@ -159,14 +159,14 @@ bool Solver<Size>::from_start() {
   return referee_.over();
 }
 
-/// With the disk's radius (r_N - rho_N u_N)+, which friction has before there are impulses.
+/// Takes the disk's radius (r_N - rho_N u_N)+, which friction has before there are impulses.
 template <int Size>
 bool Solver<Size>::newton_from_nothing() {
   AlartCurnierOf<Size> newton(problem_, system_, FrictionDisk::Augmented);
   return newton_steps(referee_, problem_, newton, Vec::Zero(problem_.size()), from_nothing);
 }
 
-/// Whether every contact that presses has all of its friction.
+/// Tells whether every contact that presses has all of its friction.
 bool nothing_sticks(const Scaled& problem, const Vec& r) {
   return std::all_of(problem.blocks.begin(), problem.blocks.end(), [&](const Scaled::Block& block) {
     constexpr double border = 1 - 1e-9;

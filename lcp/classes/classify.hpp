@@ -94,7 +94,7 @@ Property positive_semidefinite(const SpMat& M, const ClassifyOptions& options = 
 /// (z_i -> -z_i, which changes the signs of row and column i and matters for Z and the copositive classes), and the
 /// equations of free variables in the order that equation_order() finds.
 Diagnosis classify(const AffineMcp& problem, const ClassifyOptions& options = {});
-/// Whether v'Mv >= 0 for all v that vanish at fixed variables: what classify() finds, and no other class. Its indices
+/// Decides whether v'Mv >= 0 for all v that vanish at fixed variables, as classify() does, and no other class. Indices
 /// and vector are of the rows in which M + M' has entries.
 Property positive_semidefinite(const AffineMcp& problem, const ClassifyOptions& options = {});
 

@@ -6,6 +6,7 @@
 #include "lcp/cholesky/cholesky.hpp"
 #include "lcp/classes/classify_parts.hpp"
 #include "lcp/dense_factors.hpp"
+#include "lcp/linalg/blocks.hpp"
 #include "lcp/words.hpp"
 
 namespace perp::lcp {
@@ -246,22 +247,10 @@ std::vector<Index> with_forms(const AffineMcp& problem) {
   return which;
 }
 
-SpMat part_of(const SpMat& M, const std::vector<Index>& which) {
-  std::vector<int> place(at(M.rows()), -1);
-  for (std::size_t k = 0; k < which.size(); ++k) place[at(which[k])] = static_cast<int>(k);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (const Index j : which)
-    for (SpMat::InnerIterator it(M, j); it; ++it)
-      if (place[at(it.row())] >= 0) entries.emplace_back(place[at(it.row())], place[at(j)], it.value());
-  SpMat part(std::ssize(which), std::ssize(which));
-  part.setFromTriplets(entries.begin(), entries.end());
-  return part;
-}
-
 }  // namespace
 
 Property positive_semidefinite(const AffineMcp& problem, const ClassifyOptions& options) {
-  SpMat M = part_of(problem.M, with_forms(problem));
+  SpMat M = principal_block(problem.M, with_forms(problem));
   if (M.rows() == 0) return {.answer = Answer::Yes, .reason = "M + M' = 0"};
   if (const Exponents e = exponents(M); e.extreme()) M = centred(M, e);
   const SpMat Mt = M.transpose();

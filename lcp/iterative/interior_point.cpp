@@ -47,7 +47,7 @@ class Run {
 
       const LuStatus status = path_.factor(F_);
       if (status != LuStatus::Ok) return end(Status::Singular, "M + diag(w / s) is " + std::string(to_string(status)));
-      // Where steps stay short, products grow in proportion to the residual: they have fallen too early.
+      // Products grow in proportion to the residual where steps stay short: they have fallen too early.
       const bool early = crept >= 2 && !path_.linear();
       const Iterate d = path_.newton(early ? residual_ / std::sqrt(static_cast<double>(n_)) : 0);
       const double before = residual_, least = step(d);

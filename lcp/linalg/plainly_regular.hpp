@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Whether a small matrix is far from singular: a dense factorization that says so of nearly all Jacobians at solutions
+/// Tells small matrices that are far from singular: a dense factorization that says so of nearly all Jacobians at solutions
 /// in a tenth of the time of what looks for a reason.
 #include "lcp/types.hpp"
 

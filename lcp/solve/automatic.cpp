@@ -133,7 +133,7 @@ class Facts {
     if (!classes_) classes_ = classify(problem_, cheap());
     return *classes_;
   }
-  /// Of v'Mv: whether it is never negative.
+  /// Tells whether v'Mv is never negative.
   const Property& form() {
     if (classes_) return classes_->positive_semidefinite;
     if (!form_) form_ = positive_semidefinite(problem_, cheap());

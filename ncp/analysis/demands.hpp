@@ -51,9 +51,9 @@ class LinearDemands {
   };
   /// Nothing: the methods found no solution in the time.
   std::optional<Elastic> elastic(const Demands& demands, lcp::Deadline deadline) const;
-  /// The same of all z in `hard`.
+  /// Finds the same among all z in `hard`.
   std::optional<Elastic> elastic(const Demands& demands, const Box& hard, lcp::Deadline deadline) const;
-  /// The same with the bounds that are 0, signs of variables, left as they are.
+  /// Finds the same with the bounds that are 0, signs of variables, left as they are.
   std::optional<Elastic> repaired(const Demands& demands, lcp::Deadline deadline) const;
 
   /// Returns whether multipliers of demands that contradict each other are the only ones but for their length: no

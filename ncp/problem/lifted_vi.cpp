@@ -69,7 +69,7 @@ class LiftedVi final : public Mcp {
   }
 
  private:
-  /// Of a multiplier, or of the s of a row.
+  /// Names a multiplier, or the s of a row.
   std::string row_name(const char* multiplier, const char* s, Index i) const {
     const Index k = i - mcp_.size(), m = C_.A.rows();
     const Index row = k < m ? k : SpMat::InnerIterator(pattern_, i).row() - mcp_.size();  // the one entry of its column

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ncp/settings/session.hpp"
 
+#include <chrono>
 #include <string>
 #include <utility>
 
@@ -126,7 +127,9 @@ Outcome Session::run() const {
     if (mcp.polyhedron() == nullptr) {
       solve();
     } else {
+      const auto begin = std::chrono::steady_clock::now();
       outcome.vi = ncp::solve_vi(mcp, solve, ncp::vi_limits(stop));
+      result.stats.time = std::chrono::steady_clock::now() - begin;
       // An enumeration, say, leaves no multipliers: the methods of the problem with multipliers find their own proof.
       if (!judge_by_projection(mcp, x0, *outcome.vi, stop, result) && solve().status != ncp::Status::Infeasible) {
         result.status = ncp::Status::Stalled;

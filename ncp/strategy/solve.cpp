@@ -143,9 +143,9 @@ void blame_derivatives(const Mcp& mcp, Result& result) {
 
 /// Says of a solution whether it is the only one near it, where that costs little beside the solve.
 void tell_undetermined(const Mcp& mcp, const Stop& stop, const SpMat& J, Result& result) {
+  if (mcp.polyhedron() != nullptr) return;  // multipliers need not be unique
   constexpr Index always = 1000;            // rows: some milliseconds
   constexpr int often = 5;                  // one factorization more is a fifth of the time
-  if (mcp.polyhedron() != nullptr) return;  // its multipliers need not be unique
   if ((mcp.size() > always && result.stats.factorizations < often) || result.stats.time >= stop.max_time) return;
   std::string text = undetermined(mcp, J, result.x, result.F, stop.tol);
   if (!text.empty()) result.notes.push_back(std::move(text));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// What is said where something is refused.
+/// The words of a refusal.
 #include <exception>
 #include <string>
 

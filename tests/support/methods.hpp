@@ -21,7 +21,7 @@ struct NamedMethod {
 
 using Variants = std::vector<NamedMethod>;
 
-/// With both C-functions and the linear algebra of each library.
+/// Variants with both C-functions and the linear algebra of each library.
 inline Variants semismooth_variants() {
   return {{"Fischer-Burmeister", ncp::SemismoothNewton{}},
           {"min, escapes", ncp::escaping(ncp::SemismoothNewton{.cfunction = ncp::natural_min()})},

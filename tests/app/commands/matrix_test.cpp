@@ -122,7 +122,7 @@ TEST_F(Matrix, Infeasible) {
   EXPECT_THAT(result["message"].get<std::string>(), HasSubstr("proven to have no solution"));
 }
 
-// With --rows a variational inequality: over z_1 + z_2 <= 3 the multiplier is -1 and z = (1, 2) (docs/vi.md). Catches
+// Rows make a variational inequality: over z_1 + z_2 <= 3 the multiplier is -1 and z = (1, 2) (docs/vi.md). Catches
 // bounds of rows that go to variables, and a point judged by its multipliers.
 TEST_F(Matrix, VariationalInequality) {
   test::write(folder / "A.mtx", "%%MatrixMarket matrix array real general\n1 2\n1\n1\n");

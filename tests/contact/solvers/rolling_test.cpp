@@ -236,7 +236,7 @@ TEST(Rolling, ExistenceIsDecided) {
   EXPECT_LT(infeasibility_radius(alone, vec({1})), 3);
 }
 
-// What follows sequences knows one disk. Catches a system of three entries a contact that is given five.
+// Followers of sequences know one disk. Catches a system of three entries a contact that is given five.
 TEST(Rolling, SequencesGoOn) {
   Sequence sequence;
   for (const double push : {0.6, 0.7, 2.5}) {

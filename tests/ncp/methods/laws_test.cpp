@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What every method of Newton's kind does on problems with known solutions, in all of its variants. De Luca, Facchinei
+/// Laws of all methods of Newton's kind on problems with known solutions, in all of its variants. De Luca, Facchinei
 /// & Kanzow 1996; Josephy 1979; Robinson 1992; Ralph 1994; Dirkse & Ferris 1995; Chen & Mangasarian 1996; Chen & Xiu
 /// 1999.
 #include <gmock/gmock.h>
