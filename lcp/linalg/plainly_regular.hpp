@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Tells small matrices that are far from singular: a dense factorization that says so of nearly all Jacobians at
-/// solutions in a tenth of the time of what looks for a reason.
+/// Tells small matrices that are far from singular. A dense factorization says so of most Jacobians at solutions, and
+/// takes fewer instructions than what looks for a reason.
 #include "lcp/types.hpp"
 
 namespace perp::lcp {
